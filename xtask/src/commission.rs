@@ -6,7 +6,9 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::process::{free_port, released, root, run_for, words};
+use anyhow::{Context as _, Result, bail, ensure};
+use fs_err as fs;
+use preslide_tools::process::{command, free_port, released, root, run_for, with_folder};
 
 /// The chapter, and the port that it names.
 const CHAPTER: &str = "docs/src/commissioning.md";
@@ -20,59 +22,44 @@ const TRAVEL: &str = "--travel 1mm";
 const SHORT: &str = "--travel 0.05mm";
 
 /// Runs the chapter on the firmware `elf`, its motion over a shorter travel unless `whole`.
-pub fn run(elf: &Path, whole: bool) -> Result<(), String> {
-    let text =
-        std::fs::read_to_string(root().join(CHAPTER)).map_err(|e| format!("{CHAPTER}: {e}"))?;
+pub fn run(elf: &Path, whole: bool) -> Result<()> {
+    let text = fs::read_to_string(root().join(CHAPTER))?;
     let port = free_port()?;
+    let travel = if whole { TRAVEL } else { SHORT };
     let commands: Vec<String> = text
         .lines()
         .filter(|line| line.starts_with("preslide "))
         // What moves of the one command comes last, over a shorter motion.
         .filter(|line| !line.starts_with("preslide commission") || line.contains("--dry"))
-        .map(|line| line.replace(PORT, &port))
-        .map(|line| match whole {
-            true => line,
-            false => line.replace(TRAVEL, SHORT),
-        })
+        .map(|line| line.replace(PORT, &port).replace(TRAVEL, travel))
         .collect();
-    if !whole && !commands.iter().any(|line| line.contains(SHORT)) {
-        return Err(format!("{CHAPTER}: no command says `{TRAVEL}`"));
-    }
-    if commands.len() < 10 {
-        return Err(format!("{CHAPTER}: only {} commands found", commands.len()));
-    }
-    let folder = std::env::temp_dir().join(format!("preslide-commission-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let mut serve = Command::new(released("examples/drive"));
-    // In a group of its own, with the emulator that it starts: one signal ends both.
-    let serving = serve
-        .arg("serve")
-        .arg(elf)
-        .arg(&port)
-        .process_group(0)
-        .spawn();
-    let mut serving = serving.map_err(|error| format!("the drive did not start: {error}"))?;
-    let script = format!("set -euxo pipefail\n{}\n", commands.join("\n"));
-    let path = format!(
-        "{}:{}",
-        released("").display(),
-        std::env::var("PATH").unwrap_or_default()
+    ensure!(
+        commands.iter().any(|line| line.contains(travel)),
+        "{CHAPTER}: no command says `{TRAVEL}`"
     );
-    let mut bash = Command::new("bash");
-    bash.args(["-c", &script])
-        .env("PATH", path)
-        .current_dir(&folder);
-    let commissioned = run_for(&mut bash, LIMIT)
-        .and_then(|()| in_one_command(&format!("tcp:127.0.0.1:{port}"), &folder, whole));
-    // It serves for ever.
-    let group = format!("-{}", serving.id());
-    let _ = Command::new("kill").args(["-KILL", "--", &group]).status();
-    let _ = serving.wait();
-    if commissioned.is_ok() {
-        // What stays of a failed run is there to be looked at.
-        let _ = std::fs::remove_dir_all(&folder);
-    }
-    commissioned.map_err(|reason| format!("{CHAPTER}: {reason}"))
+    ensure!(
+        commands.len() >= 10,
+        "{CHAPTER}: only {} commands found",
+        commands.len()
+    );
+    let script = format!("set -euxo pipefail\n{}\n", commands.join("\n"));
+    with_folder("commission", |folder| {
+        let mut serve = Command::new(released("examples/drive"));
+        serve.arg("serve").arg(elf).arg(&port);
+        // In a group of its own, with the emulator that it starts: one signal ends both.
+        let serving = serve.process_group(0).spawn();
+        let mut serving = serving.context("the drive did not start")?;
+        let path = std::env::var("PATH").unwrap_or_default();
+        let path = format!("{}:{path}", released("").display());
+        let mut bash = Command::new("bash");
+        bash.args(["-c", &script]).env("PATH", path);
+        let commissioned = run_for(bash.current_dir(folder), LIMIT)
+            .and_then(|()| in_one_command(&format!("tcp:127.0.0.1:{port}"), folder, whole));
+        // It serves for ever.
+        let _ = command(&format!("kill -KILL -- -{}", serving.id())).status();
+        let _ = serving.wait();
+        commissioned.context(CHAPTER)
+    })
 }
 
 /// The motion of `preslide commission` here, over the short travel.
@@ -81,41 +68,30 @@ const WISH: &str =
 
 /// Commissions in one command: interrupted while it records, it leaves the axis disabled and says how to go on; asked again, it goes on and shows
 /// that the model halves the error, at least, of a motion that no fit saw.
-fn in_one_command(port: &str, folder: &Path, whole: bool) -> Result<(), String> {
-    let experiments = if whole { "1" } else { "0" };
-    let command = || {
-        let mut command = Command::new(released("preslide"));
-        command
-            .args(["commission", port, "--save", "-o", "commission"])
-            .args(["--experiments", experiments])
-            .args(words(WISH))
-            .current_dir(folder)
-            .stdin(Stdio::null());
-        command
+fn in_one_command(port: &str, folder: &Path, whole: bool) -> Result<()> {
+    let line = format!(
+        "commission {port} --save -o commission --experiments {} {WISH}",
+        u8::from(whole)
+    );
+    let tool = || {
+        let mut tool = Command::new(released("preslide"));
+        tool.args(line.split_whitespace()).current_dir(folder);
+        tool.stdin(Stdio::null());
+        tool
     };
-    let failed = |error: std::io::Error| format!("preslide commission: {error}");
-    let first = command().stderr(Stdio::piped()).spawn().map_err(failed)?;
+    let first = tool().stderr(Stdio::piped()).spawn()?;
     let begun = Instant::now();
     while !folder.join("commission/before.csv").exists() && begun.elapsed() < LIMIT {
         std::thread::sleep(Duration::from_millis(50));
     }
-    let id = first.id().to_string();
-    Command::new("kill")
-        .args(["-INT", &id])
-        .status()
-        .map_err(failed)?;
-    let stopped = first.wait_with_output().map_err(failed)?;
+    command(&format!("kill -INT {}", first.id())).status()?;
+    let stopped = first.wait_with_output()?;
     let said = String::from_utf8_lossy(&stopped.stderr);
     if stopped.status.code() != Some(3) || !said.contains("the same command goes on from there") {
-        return Err(format!(
-            "preslide commission, interrupted, ended with {} and said: {said}",
-            stopped.status
-        ));
+        let status = stopped.status;
+        bail!("preslide commission, interrupted, ended with {status} and said: {said}");
     }
-    let again = command()
-        .stderr(Stdio::inherit())
-        .output()
-        .map_err(failed)?;
+    let again = tool().stderr(Stdio::inherit()).output()?;
     let said = String::from_utf8_lossy(&again.stdout);
     println!("{said}");
     let error = |before: &str| {
@@ -126,9 +102,9 @@ fn in_one_command(port: &str, folder: &Path, whole: bool) -> Result<(), String> 
     let is_whole = folder.join("commission/report.html").exists();
     match (again.status.success(), errors) {
         (true, Some((without, with))) if is_whole && with < 0.5 * without => Ok(()),
-        _ => Err(format!(
+        _ => bail!(
             "preslide commission, asked again, ended with {}; errors {errors:?}",
             again.status
-        )),
+        ),
     }
 }

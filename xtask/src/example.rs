@@ -1,10 +1,11 @@
 //! The example to copy first, in QEMU: what it computes, and how it sets the clock, which QEMU lacks.
 
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::Duration;
 
-use crate::process::{output_for, root, run, target_of};
-use crate::thumb::{TARGET, Toolchain};
+use anyhow::{Context as _, Result, bail, ensure};
+use preslide_tools::process::{command, output_for, root, run, target_of};
+use preslide_tools::thumb::{TARGET, Toolchain};
 
 /// What `examples/rtic` prints in QEMU. Its clock registers read as zero there, which is the chip's 16 MHz undivided: 16 MHz / 4200.
 /// Sliding takes 0.9 N: at 115 codes a newton and 7 of back-EMF 111, which the feedback's answer to whole counts moves by 3.
@@ -19,31 +20,30 @@ const CLOCKS: u32 = 4200;
 const RATE: u32 = 20_000;
 
 /// Builds the example for the target, runs it, and compares what it prints and what it writes to the clock's registers.
-pub fn run_in_qemu() -> Result<(), String> {
+pub fn run_in_qemu() -> Result<()> {
     let folder = root().join("examples");
-    let what = ["build", "--release", "--locked", "--package", "rtic-f405"];
-    let arguments = [&what[..], &["--features", "semihosting"]].concat();
-    run(&mut Toolchain::ensure()?.cargo(&folder, &arguments))?;
+    let line = "build --release --locked --package rtic-f405 --features semihosting";
+    run(&mut Toolchain::ensure()?.cargo(&folder, line))?;
     let image = target_of(&folder).join(TARGET).join("release/rtic-f405");
-    let mut qemu = Command::new("qemu-system-arm");
-    qemu.args(["-M", "netduinoplus2", "-nographic", "-icount", "shift=3"])
-        .args(["-semihosting-config", "enable=on,target=native"])
-        .args(["-d", "unimp", "-kernel"])
-        .arg(image)
-        .stdin(Stdio::null());
-    let (printed, log) = output_for(&mut qemu, Duration::from_secs(60))?;
-    let told = |what: &str| Err(format!("examples/rtic {what}:\n{printed}{log}"));
-    if let Some(line) = PRINTED
-        .iter()
-        .find(|line| !printed.contains(*line) && !log.contains(*line))
-    {
-        return told(&format!("did not print `{line}`, but"));
+    let mut qemu = command(
+        "qemu-system-arm -M netduinoplus2 -nographic -icount shift=3 -semihosting-config enable=on,target=native \
+         -d unimp -kernel",
+    );
+    let (printed, log) = output_for(
+        qemu.arg(image).stdin(Stdio::null()),
+        Duration::from_secs(60),
+    )?;
+    let told = || format!("examples/rtic:\n{printed}{log}");
+    for line in PRINTED {
+        let is_there = printed.contains(line) || log.contains(line);
+        ensure!(is_there, "{}did not print `{line}`", told());
     }
-    match tick_rate(&writes(&log)) {
-        Ok(RATE) => {}
-        Ok(rate) => return told(&format!("sets the clock for {rate} Hz, not for {RATE}")),
-        Err(reason) => return told(&reason),
-    }
+    let rate = tick_rate(&writes(&log)).with_context(told)?;
+    ensure!(
+        rate == RATE,
+        "{}sets the clock for {rate} Hz, not for {RATE}",
+        told()
+    );
     println!(
         "examples/rtic: sets the clock for {RATE} Hz; {}",
         printed.trim().replace('\n', "; ")
@@ -55,11 +55,11 @@ pub fn run_in_qemu() -> Result<(), String> {
 const OTHERS: [(&str, &str); 2] = [("embassy-g4", TARGET), ("rp2040", "thumbv6m-none-eabi")];
 
 /// Builds them as a user would.
-pub fn link_others() -> Result<(), String> {
+pub fn link_others() -> Result<()> {
     OTHERS.iter().try_for_each(|(name, target)| {
-        let arguments = ["build", "--release", "--locked", "--package", name];
+        let line = format!("build --release --locked --package {name}");
         match Toolchain::or_skipped(target, name) {
-            Some(own) => run(&mut own.cargo_for(target, &root().join("examples"), &arguments)),
+            Some(own) => run(&mut own.cargo_for(target, &root().join("examples"), &line)),
             None => Ok(()),
         }
     })
@@ -90,23 +90,23 @@ fn writes(log: &str) -> Vec<Write<'_>> {
 }
 
 /// What the chip makes of these writes (RM0090, chapters 3 and 7), and why it would not run.
-fn tick_rate(writes: &[Write]) -> Result<u32, String> {
+fn tick_rate(writes: &[Write]) -> Result<u32> {
     let [mut wait_states, mut pllcfgr, mut cfgr, mut pll_on] = [0, 0x2400_3010, 0, 0];
     for write in writes {
         match (write.device, write.offset) {
             ("Flash Int", 0) => wait_states = write.value & 7,
             ("RCC", 0) => pll_on = write.value >> 24 & 1,
-            ("RCC", 4) if pll_on == 1 => return Err("sets a PLL that is on".to_owned()),
+            ("RCC", 4) if pll_on == 1 => bail!("sets a PLL that is on"),
             ("RCC", 4) => pllcfgr = write.value,
             ("RCC", 8) => cfgr = write.value,
             _ => continue,
         }
         if cfgr & 3 == 2 && (wait_states != 5 || pll_on == 0) {
-            return Err("goes to the PLL before flash and PLL are ready for it".to_owned());
+            bail!("goes to the PLL before flash and PLL are ready for it");
         }
     }
     if cfgr & 3 != 2 {
-        return Err("leaves the chip on its 16 MHz".to_owned());
+        bail!("leaves the chip on its 16 MHz");
     }
     let divided = |code: u32, none_below: u32| match code.checked_sub(none_below) {
         None => 1,
@@ -128,11 +128,10 @@ fn tick_rate(writes: &[Write]) -> Result<u32, String> {
         && core <= 168_000_000
         && core / bus <= 42_000_000
         && core / fast <= 84_000_000;
-    if !within {
-        return Err(format!(
-            "sets PLLCFGR {pllcfgr:#x} and CFGR {cfgr:#x}, beyond what the chip bears"
-        ));
-    }
+    ensure!(
+        within,
+        "sets PLLCFGR {pllcfgr:#x} and CFGR {cfgr:#x}, beyond what the chip bears"
+    );
     let timers = core / bus * if bus > 1 { 2 } else { 1 };
     Ok(timers / CLOCKS)
 }

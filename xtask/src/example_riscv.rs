@@ -3,8 +3,10 @@
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use crate::process::{output_for, root};
-use crate::thumb::Toolchain;
+use anyhow::{Context as _, Result, bail, ensure};
+use fs_err as fs;
+use preslide_tools::process::{output_for, root, with_folder};
+use preslide_tools::thumb::Toolchain;
 
 const TARGET: &str = "riscv32imac-unknown-none-elf";
 const NAME: &str = "riscv-virt";
@@ -28,40 +30,26 @@ const README: &str = "src/README.md";
 const CLONE: &str = "P=~/preslide";
 
 /// Does in a fresh folder what the library's README says, and compares every force that it prints.
-pub fn run_in_qemu() -> Result<(), String> {
+pub fn run_in_qemu() -> Result<()> {
     if Toolchain::or_skipped(TARGET, NAME).is_none() {
         return Ok(());
     }
-    let readme = std::fs::read_to_string(root().join(README))
-        .map_err(|error| format!("cannot read {README}: {error}"))?;
-    let block = |text: &str| {
-        Some(
-            text.split_once("```sh\n")?
-                .1
-                .split_once("```")?
-                .0
-                .to_owned(),
-        )
-    };
-    let commands = block(&readme)
-        .filter(|commands| commands.contains(CLONE))
-        .ok_or_else(|| format!("{README}: its first commands do not begin with {CLONE}"))?
+    let readme = fs::read_to_string(root().join(README))?;
+    let block = readme.split_once("```sh\n");
+    let commands = block.and_then(|(_, rest)| rest.split("```").next());
+    let commands = commands.filter(|commands| commands.contains(CLONE));
+    let commands = commands
+        .with_context(|| format!("{README}: its first commands do not begin with {CLONE}"))?
         .replace(CLONE, &format!("P={}", root().display()));
-    let folder = std::env::temp_dir().join(format!("preslide-stranger-{}", std::process::id()));
-    let told = |error: std::io::Error| format!("{}: {error}", folder.display());
-    std::fs::create_dir_all(&folder).map_err(told)?;
-    let mut shell = Command::new("sh");
-    shell
-        .args(["-ec", &commands])
-        .current_dir(&folder)
-        .env_remove("CARGO_TARGET_DIR");
-    let ran = output_for(shell.stdin(Stdio::null()), LIMIT);
-    std::fs::remove_dir_all(&folder).map_err(told)?;
-    let (printed, log) = ran?;
-    let model = std::fs::read_to_string(root().join(MODEL))
-        .map_err(|error| format!("cannot read {MODEL}: {error}"))?;
+    let (printed, log) = with_folder("stranger", |folder| {
+        let mut shell = Command::new("sh");
+        shell.args(["-ec", &commands]).current_dir(folder);
+        shell.env_remove("CARGO_TARGET_DIR").stdin(Stdio::null());
+        output_for(&mut shell, LIMIT)
+    })?;
+    let model = fs::read_to_string(root().join(MODEL))?;
     let off = deviations(&printed, &blocks(&model)?)
-        .map_err(|reason| format!("{README}: {reason}\n{printed}{log}"))?;
+        .with_context(|| format!("{README}:\n{printed}{log}"))?;
     let largest = off.iter().fold(0.0, |most: f64, off| most.max(off.abs()));
     let lines = off.len() as f64;
     let rms = (off.iter().map(|off| off * off).sum::<f64>() / lines).sqrt();
@@ -73,44 +61,41 @@ pub fn run_in_qemu() -> Result<(), String> {
         .iter()
         .zip(BOUNDS)
         .all(|(off, bound)| *off <= bound);
-    if within {
-        Ok(())
-    } else {
-        Err(format!("more than {BOUNDS:?} mN"))
-    }
+    ensure!(within, "more than {BOUNDS:?} mN");
+    Ok(())
 }
 
 /// Stiffness (mN per count) and largest force (mN) of each block.
-fn blocks(model: &str) -> Result<Vec<[f64; 2]>, String> {
+fn blocks(model: &str) -> Result<Vec<[f64; 2]>> {
     let value = |line: &str, key: &str| {
         let rest = line.split_once(key)?.1.trim_start_matches([' ', '=']);
         let end = rest.find([',', ' ', '}']).unwrap_or(rest.len());
         rest[..end].parse::<f64>().ok()
     };
     let breakaway = model.lines().find_map(|line| value(line, "breakaway_N"));
-    let breakaway = breakaway.ok_or_else(|| format!("{MODEL} has no breakaway_N"))?;
+    let breakaway = breakaway.with_context(|| format!("{MODEL} has no breakaway_N"))?;
     let block = |line| {
         let stiffness = value(line, "stiffness_N_per_m")? * COUNT * 1e3;
         Some([stiffness, value(line, "weight")? * breakaway * 1e3])
     };
     let blocks: Vec<_> = model.lines().filter_map(block).collect();
     match blocks.len() {
-        0 => Err(format!("{MODEL} has no blocks")),
+        0 => bail!("{MODEL} has no blocks"),
         _ => Ok(blocks),
     }
 }
 
 /// Printed less computed force (mN) of every line `tick N: at P counts F mN`. Between two lines the motion turns at most once, at a place
 /// that a line tells, so that the places of the lines are all that blocks which stick and slip ask for.
-fn deviations(printed: &str, blocks: &[[f64; 2]]) -> Result<Vec<f64>, String> {
+fn deviations(printed: &str, blocks: &[[f64; 2]]) -> Result<Vec<f64>> {
     let mut forces = vec![0.0_f64; blocks.len()];
     let (mut last, mut off) = (0.0, Vec::new());
     for line in printed.lines() {
         let words: Vec<_> = line.split_whitespace().collect();
         let ["tick", _, "at", place, "counts", force, "mN"] = words[..] else {
-            return Err(format!("printed `{line}`"));
+            bail!("printed `{line}`");
         };
-        let number = |word: &str| word.parse::<f64>().map_err(|e| format!("`{word}`: {e}"));
+        let number = |word: &str| word.parse::<f64>().with_context(|| format!("`{word}`"));
         let (place, force) = (number(place)?, number(force)?);
         for (own, [stiffness, limit]) in forces.iter_mut().zip(blocks) {
             *own = (*own + stiffness * (place - last)).clamp(-limit, *limit);
@@ -120,6 +105,6 @@ fn deviations(printed: &str, blocks: &[[f64; 2]]) -> Result<Vec<f64>, String> {
     }
     match off.len() {
         LINES => Ok(off),
-        other => Err(format!("printed {other} forces, not {LINES}")),
+        other => bail!("printed {other} forces, not {LINES}"),
     }
 }

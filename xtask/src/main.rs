@@ -2,31 +2,30 @@
 
 mod book;
 mod browser;
-mod call_graph;
 mod chain;
 mod commission;
-mod cycles;
 mod example;
 mod example_riscv;
+mod files;
+mod image;
 mod imports;
 mod judge;
 mod logged;
-mod objdump;
 mod package;
-mod process;
 mod python;
 mod qemu;
 mod steps;
 mod test;
-mod thumb;
-mod tools;
 
 use std::process::ExitCode;
+
+use anyhow::{Result, bail};
+use preslide_cycle_tables as cycles;
 
 struct Command {
     name: &'static str,
     help: &'static str,
-    run: fn(&[String]) -> Result<(), String>,
+    run: fn(&[String]) -> Result<()>,
 }
 
 const COMMANDS: &[Command] = &[
@@ -38,22 +37,25 @@ const COMMANDS: &[Command] = &[
     Command {
         name: "book",
         help: "builds the book, runs the commands in it and compares what they print; --bless takes new output",
-        run: |arguments| book::run_command(arguments, steps::has_step),
+        run: |arguments| {
+            let bless = given(&["--bless"], arguments)?.is_some();
+            book::run_command(bless, steps::has_step)
+        },
     },
     Command {
         name: "imports",
         help: "checks who imports whom: no circles, and the order in ARCHITECTURE.md",
-        run: imports::run_command,
+        run: |arguments| given(&[], arguments).and_then(|_| imports::check()),
     },
     Command {
         name: "cycles",
         help: "counts the cycles of each kernel's update on a Cortex-M4F; --check compares with the committed tables if their sources changed, --recount always; --tick splits a control tick; --m0plus and --hazard3 count on the RP2040 and, exactly, on the RP2350's RISC-V core",
-        run: cycles::run_command,
+        run: |arguments| cycles::run_command(given(&cycles::FLAGS, arguments)?),
     },
     Command {
         name: "qemu",
         help: "runs the firmware in QEMU against the simulated stage: agreement, faults, sizes; --long adds all pairs of law and arithmetic, the whole motion of the commissioning chapter, the cable pulled in every stage, ten times the requests, and a capture identified; --bless takes new outputs",
-        run: qemu::run_command,
+        run: |arguments| qemu::run_command(given(&["--bless", "--long"], arguments)?),
     },
     Command {
         name: "stage",
@@ -100,16 +102,22 @@ fn main() -> ExitCode {
         return code;
     }
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let Some((name, rest)) = arguments.split_first() else {
-        print_help();
-        return ExitCode::SUCCESS;
+    let is_help = |word: &String| ["--help", "-h"].contains(&word.as_str());
+    let (name, rest) = match arguments.split_first() {
+        Some((name, rest)) if name != "help" && !is_help(name) => (name, rest),
+        _ => {
+            println!("cargo xtask COMMAND\n");
+            for (name, help) in commands() {
+                println!("  {name:<11} {help}");
+            }
+            return ExitCode::SUCCESS;
+        }
     };
-    if ["help", "--help", "-h"].contains(&name.as_str()) {
-        print_help();
-        return ExitCode::SUCCESS;
-    }
-    let command = COMMANDS.iter().find(|command| command.name == name);
-    let done = match command {
+    let done = match COMMANDS.iter().find(|command| command.name == name) {
+        Some(command) if rest.iter().any(is_help) => {
+            println!("cargo xtask {name}: {}", command.help);
+            Ok(())
+        }
         Some(command) => (command.run)(rest),
         None if is_command(name) => judge::judge(name, rest),
         None => {
@@ -120,44 +128,35 @@ fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(reason) => {
-            eprintln!("xtask {name}: {reason}");
+            eprintln!("xtask {name}: {reason:#}");
             ExitCode::FAILURE
         }
     }
 }
 
+/// Every command with what it does.
+fn commands() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let own = COMMANDS.iter().map(|command| (command.name, command.help));
+    own.chain(JUDGES)
+}
+
+/// Whether there is one of this name.
+fn is_command(name: &str) -> bool {
+    commands().any(|(known, _)| known == name)
+}
+
 /// Which of the flags that a command takes was given, if one was.
-fn given<'a>(
-    command: &str,
-    flags: &[&'a str],
-    arguments: &[String],
-) -> Result<Option<&'a str>, String> {
+fn given<'a>(flags: &[&'a str], arguments: &[String]) -> Result<Option<&'a str>> {
     let known = match arguments {
         [] => return Ok(None),
         [one] => flags.iter().find(|flag| one == *flag),
         _ => None,
     };
-    known.copied().map(Some).ok_or_else(|| {
-        format!(
-            "`{command}` takes {} or nothing, got `{}`",
-            flags.join(" or "),
-            arguments.join(" ")
-        )
-    })
-}
-
-/// Whether there is one of this name.
-fn is_command(name: &str) -> bool {
-    let mut names = COMMANDS.iter().map(|command| command.name);
-    names.any(|own| own == name) || JUDGES.iter().any(|judge| judge.0 == name)
-}
-
-fn print_help() {
-    println!("cargo xtask COMMAND\n");
-    let own = COMMANDS.iter().map(|command| (command.name, command.help));
-    for (name, help) in own.chain(JUDGES) {
-        println!("  {name:<11} {help}");
+    if known.is_none() {
+        let known = [flags, &["nothing"]].concat().join(" or ");
+        bail!("it takes {known}, got `{}`", arguments.join(" "));
     }
+    Ok(known.copied())
 }
 
 #[cfg(test)]
@@ -169,7 +168,7 @@ mod tests {
         let flags = ["--check", "--tick"];
         let of = |words: &[&str]| {
             let words: Vec<String> = words.iter().map(|w| (*w).to_owned()).collect();
-            given("cycles", &flags, &words)
+            given(&flags, &words).map_err(|error| error.to_string())
         };
         assert_eq!(of(&[]), Ok(None));
         for flag in flags {

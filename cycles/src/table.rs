@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use anyhow::{Context as _, Result, bail};
+
 /// What one kernel at one N costs for each update.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
@@ -73,18 +75,18 @@ fn whole(value: Option<u32>) -> String {
     value.map_or(String::new(), |value| value.to_string())
 }
 
-pub fn from_csv(text: &str) -> Result<Vec<Row>, String> {
+pub fn from_csv(text: &str) -> Result<Vec<Row>> {
     let mut lines = text
         .lines()
         .enumerate()
         .filter(|(_, line)| !line.starts_with('#'));
     match lines.next() {
         Some((_, COLUMNS)) => {}
-        _ => return Err(format!("the column line is not `{COLUMNS}`")),
+        _ => bail!("the column line is not `{COLUMNS}`"),
     }
     lines
         .map(|(index, line)| {
-            row(line).ok_or_else(|| format!("line {}: cannot read `{line}`", index + 1))
+            row(line).with_context(|| format!("line {}: cannot read `{line}`", index + 1))
         })
         .collect()
 }
@@ -292,9 +294,14 @@ mod tests {
             from_csv(&to_csv(&["made by a test".to_string()], &rows)).unwrap(),
             rows
         );
-        assert!(from_csv("kernel,n\n").unwrap_err().contains("column line"));
+        assert!(
+            from_csv("kernel,n\n")
+                .unwrap_err()
+                .to_string()
+                .contains("column line")
+        );
         let torn = to_csv(&[], &rows).replace(",17,", ",,");
-        assert!(from_csv(&torn).unwrap_err().contains("line 2"));
+        assert!(from_csv(&torn).unwrap_err().to_string().contains("line 2"));
     }
 
     #[test]

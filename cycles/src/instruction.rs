@@ -1,6 +1,7 @@
 //! One Thumb-2 instruction as objdump prints it, reduced to what its price depends on.
 
-use crate::objdump::without_condition;
+use anyhow::{Context as _, Result};
+use preslide_tools::objdump::without_condition;
 
 /// Registers as bits: r0 to pc in 0 to 15, s0 to s31 in 16 to 47.
 pub type Registers = u64;
@@ -69,22 +70,15 @@ impl Instruction {
     }
 
     /// Reads mnemonic and operands; `conditional` says that it stands in an IT block.
-    pub fn parse(
-        size: u32,
-        mnemonic: &str,
-        operands: &str,
-        conditional: bool,
-    ) -> Result<Self, String> {
+    pub fn parse(size: u32, mnemonic: &str, operands: &str, conditional: bool) -> Result<Self> {
         let (name, kind) = mnemonic.split_once('.').unwrap_or((mnemonic, ""));
         let name = if conditional {
             without_condition(name)
         } else {
             name
         };
-        let class = class_of(name, operands).ok_or_else(|| {
-            format!(
-                "no price for `{mnemonic} {operands}`; add it to xtask/src/cycles/instruction.rs"
-            )
+        let class = class_of(name, operands).with_context(|| {
+            format!("no price for `{mnemonic} {operands}`; add it to cycles/src/instruction.rs")
         })?;
         let words: Vec<Registers> = split_operands(operands).map(registers_in).collect();
         let word = |index: usize| words.get(index).copied().unwrap_or(0);
@@ -370,6 +364,7 @@ mod tests {
         assert!(
             Instruction::parse(4, "wibble", "r0", false)
                 .unwrap_err()
+                .to_string()
                 .contains("no price for `wibble r0`")
         );
     }

@@ -4,12 +4,12 @@
 //! the Cortex-M0+. The manual gives every instruction one price, so that the cycles are exact but for MRS, MSR and CPS, which
 //! no kernel holds, and for what stands outside the core: flash behind a cache, and a second master at the same bank of memory.
 
+use anyhow::Result;
+use preslide_tools::thumb::has_target;
+
 use super::instruction::{Class, Instruction};
 use super::price::Price;
 use super::{Core, Prices, check as check_core};
-use crate::process::output;
-use std::path::Path;
-use std::process::Command;
 
 pub const CORE: Core = Core {
     target: "thumbv6m-none-eabi",
@@ -32,10 +32,8 @@ pub const CORE: Core = Core {
 };
 
 /// Compares with the committed table where the target is installed.
-pub fn check() -> Result<bool, String> {
-    let query =
-        output(Command::new("rustc").args(["--print", "target-libdir", "--target", CORE.target]));
-    if !query.is_ok_and(|folder| Path::new(folder.trim()).is_dir()) {
+pub fn check() -> Result<bool> {
+    if !has_target(CORE.target) {
         println!(
             "\nSKIPPED: {} was not checked: no Rust target {target}; rustup target add {target}",
             CORE.prices.table,
@@ -85,7 +83,7 @@ fn of_step(now: &Instruction, jumps: bool) -> Price {
 #[cfg(test)]
 mod tests {
     use super::of_path;
-    use crate::cycles::instruction::path;
+    use crate::instruction::path;
 
     #[test]
     fn a_path_costs_what_the_manual_says() {

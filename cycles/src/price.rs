@@ -182,7 +182,7 @@ fn load(before: Option<&Instruction>, now: &Instruction) -> Price {
 #[cfg(test)]
 mod tests {
     use super::{Price, of_interrupt, of_path};
-    use crate::cycles::instruction::{Instruction, path};
+    use crate::instruction::{Instruction, path};
 
     fn price(start: u32, lines: &[(u32, &str, &str)]) -> Price {
         of_path(&path(start, lines))

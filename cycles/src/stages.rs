@@ -7,12 +7,13 @@
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 use std::path::Path;
-use std::process::Command;
+
+use anyhow::{Context as _, Result};
+use preslide_tools::process::{command, output_of};
 
 use super::disassembly::Disassembly;
 use super::price;
 use super::recorder::TakenPath;
-use crate::process::output_of;
 
 /// Exception entry and return, float registers, registers that a function saves, and RTIC's priority.
 const FRAME: &str = "interrupt, saved registers";
@@ -107,11 +108,7 @@ pub struct Breakdown {
 }
 
 /// The stages of an interrupt's recorded calls.
-pub fn of(
-    program: &Path,
-    disassembly: &Disassembly,
-    paths: &[TakenPath],
-) -> Result<Breakdown, String> {
+pub fn of(program: &Path, disassembly: &Disassembly, paths: &[TakenPath]) -> Result<Breakdown> {
     let calls: f64 = paths.iter().map(|path| f64::from(path.calls)).sum();
     let mut taken = Vec::new();
     // By address: how often, cycles, and the last stage. Both a tick.
@@ -150,26 +147,16 @@ fn claims(
     program: &Path,
     disassembly: &Disassembly,
     addresses: impl Iterator<Item = u32>,
-) -> Result<HashMap<u32, usize>, String> {
+) -> Result<HashMap<u32, usize>> {
     let asked: String = addresses.map(|address| format!("{address:#x}\n")).collect();
-    let mut command = Command::new("arm-none-eabi-addr2line");
-    command
-        .args([
-            "--addresses",
-            "--inlines",
-            "--functions",
-            "--demangle",
-            "-e",
-        ])
-        .arg(program);
-    let told = output_of(&mut command, &asked)?;
+    let line = "arm-none-eabi-addr2line --addresses --inlines --functions --demangle -e";
+    let told = output_of(command(line).arg(program), &asked)?;
     let mut claims = HashMap::new();
     let mut address = 0;
     let mut lines = told.lines();
     while let Some(line) = lines.next() {
         if let Some(digits) = line.strip_prefix("0x") {
-            address =
-                u32::from_str_radix(digits, 16).map_err(|error| format!("`{line}`: {error}"))?;
+            address = u32::from_str_radix(digits, 16).with_context(|| format!("`{line}`"))?;
             let text = disassembly.text(address).unwrap_or_default();
             if FRAMING.iter().any(|name| text.starts_with(name)) {
                 claims.insert(address, 0);

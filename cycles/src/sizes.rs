@@ -3,17 +3,17 @@
 //! The testbench records no paths, so that what is counted is what a function can reach: cold branches and what they call as well.
 
 use std::path::Path;
-use std::process::Command;
 
-use crate::objdump::Functions;
-use crate::process::output;
+use anyhow::{Context as _, Result};
+use preslide_tools::objdump::Functions;
+use preslide_tools::process::{command, output};
 
 pub struct Sizes(Functions);
 
 impl Sizes {
-    pub fn of(program: &Path) -> Result<Self, String> {
-        let mut objdump = Command::new("riscv64-unknown-elf-objdump");
-        Ok(Self::parse(&output(objdump.arg("-d").arg(program))?))
+    pub fn of(program: &Path) -> Result<Self> {
+        let listing = output(command("riscv64-unknown-elf-objdump -d").arg(program))?;
+        Ok(Self::parse(&listing))
     }
 
     fn parse(listing: &str) -> Self {
@@ -21,9 +21,9 @@ impl Sizes {
     }
 
     /// Bytes of a function and of all that it can reach.
-    pub fn reached_from(&self, name: &str) -> Result<u32, String> {
+    pub fn reached_from(&self, name: &str) -> Result<u32> {
         let start = self.0.address(name);
-        let start = start.ok_or_else(|| format!("the program has no function {name}"))?;
+        let start = start.with_context(|| format!("the program has no function {name}"))?;
         let reached = self.0.reached(start, &[]);
         Ok(reached.values().map(|function| function.bytes).sum())
     }
@@ -39,8 +39,8 @@ mod tests {
                        \n20000008 <b>:\n\n20000008 <.L1>:\n20000008:\tdd7d                \tbeqz\ta0,20000000 <a+0x4>\n2000000a:\t8082                \tret\n\
                        \n2000000c <c>:\n2000000c:\t8082                \tret\n";
         let sizes = Sizes::parse(listing);
-        assert_eq!(sizes.reached_from("a"), Ok(12));
-        assert_eq!(sizes.reached_from("c"), Ok(2));
+        assert_eq!(sizes.reached_from("a").unwrap(), 12);
+        assert_eq!(sizes.reached_from("c").unwrap(), 2);
         assert!(sizes.reached_from("d").is_err());
     }
 }

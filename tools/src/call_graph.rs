@@ -2,30 +2,25 @@
 
 use std::collections::BTreeMap;
 
+use anyhow::{Context as _, Result, bail};
+
 use crate::objdump::{Functions, without_condition};
 
 /// The functions reached from `start` by direct branches and calls, itself included, by where they begin; those in `beyond` are not followed.
 ///
 /// # Errors
 /// Where `start` is not in the disassembly, or calls through a register (which this cannot follow).
-pub fn reached(
-    disassembly: &str,
-    start: &str,
-    beyond: &[&str],
-) -> Result<BTreeMap<u32, String>, String> {
+pub fn reached(disassembly: &str, start: &str, beyond: &[&str]) -> Result<BTreeMap<u32, String>> {
     let functions = Functions::of(disassembly, branches);
     let address = |name: &str| {
         let address = functions.address(name);
-        address.ok_or_else(|| format!("the image has no function {name}; was it inlined?"))
+        address.with_context(|| format!("the image has no function {name}; was it inlined?"))
     };
-    let beyond = beyond.iter().map(|name| address(name));
-    let beyond = beyond.collect::<Result<Vec<u32>, String>>()?;
-    let reached = functions.reached(address(start)?, &beyond);
+    let beyond: Result<Vec<u32>> = beyond.iter().map(|name| address(name)).collect();
+    let reached = functions.reached(address(start)?, &beyond?);
     if let Some(function) = reached.values().find(|f| f.calls_a_register) {
         let name = &function.name;
-        return Err(format!(
-            "{name}, reached from {start}, calls through a register"
-        ));
+        bail!("{name}, reached from {start}, calls through a register");
     }
     let named = reached.into_iter();
     Ok(named.map(|(at, f)| (at, f.name.clone())).collect())
@@ -79,7 +74,7 @@ mod tests {
     #[test]
     fn says_what_it_cannot_follow() {
         let fails = |start, beyond: &[&str], word| {
-            reached(IMAGE, start, beyond).is_err_and(|error| error.contains(word))
+            reached(IMAGE, start, beyond).is_err_and(|error| error.to_string().contains(word))
         };
         assert!(fails("other", &[], "register"));
         assert!(fails("gone", &[], "inlined"));

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use anyhow::{Context as _, Result, bail};
+
 use super::disassembly::Disassembly;
 use super::recorder::{Paths, Recorder, TakenPath, Watched};
 use super::table::{self, Row};
@@ -17,7 +19,7 @@ pub struct Run {
 
 impl Run {
     /// Runs the program under the recorder.
-    pub fn of(program: &Path, recorder: &Recorder) -> Result<Self, String> {
+    pub fn of(program: &Path, recorder: &Recorder) -> Result<Self> {
         let disassembly = Disassembly::of(program)?;
         let entries: Vec<u32> = disassembly
             .functions_named(PREFIX)
@@ -37,21 +39,21 @@ impl Run {
     }
 
     /// A row for every kernel, as a core prices its paths.
-    pub fn rows(&self, price_of: PriceOf) -> Result<Vec<Row>, String> {
+    pub fn rows(&self, price_of: PriceOf) -> Result<Vec<Row>> {
         let kernels = self.printed.kernels.iter();
         kernels.map(|kernel| self.row(kernel, price_of)).collect()
     }
 
-    fn row(&self, kernel: &Kernel, price_of: PriceOf) -> Result<Row, String> {
+    fn row(&self, kernel: &Kernel, price_of: PriceOf) -> Result<Row> {
         let mut row = price_paths(&self.disassembly, self.paths(kernel)?, price_of)?;
         if row.calls != kernel.calls {
             // The linker folds functions of equal code: their calls cannot be told apart.
-            return Err(format!(
+            bail!(
                 "{}: {} calls were made, {} recorded",
                 kernel.function(),
                 kernel.calls,
                 row.calls
-            ));
+            );
         }
         row.cycles_in_tick = self.cycles_in_tick(kernel, price_of)?;
         row.kernel.clone_from(&kernel.name);
@@ -65,7 +67,7 @@ impl Run {
     }
 
     /// By how much the control tick grows with the kernel inlined; `None` where no such tick was measured.
-    fn cycles_in_tick(&self, kernel: &Kernel, price_of: PriceOf) -> Result<Option<f64>, String> {
+    fn cycles_in_tick(&self, kernel: &Kernel, price_of: PriceOf) -> Result<Option<f64>> {
         let with = self.recorded(&format!("tick__{}", kernel.function()));
         let without = self.recorded("tick__empty_call__1");
         let (Some(with), Some(without)) = (with, without) else {
@@ -76,10 +78,10 @@ impl Run {
         Ok(Some(mean(with)? - mean(without)?))
     }
 
-    fn paths(&self, kernel: &Kernel) -> Result<&[TakenPath], String> {
+    fn paths(&self, kernel: &Kernel) -> Result<&[TakenPath]> {
         let function = kernel.function();
         self.recorded(&function)
-            .ok_or_else(|| format!("no call of {PREFIX}{function} was recorded"))
+            .with_context(|| format!("no call of {PREFIX}{function} was recorded"))
     }
 
     fn recorded(&self, function: &str) -> Option<&[TakenPath]> {
@@ -111,8 +113,8 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    fn parse(name: &str, blocks: &str, values: &[&str]) -> Result<Self, String> {
-        let number = |text: &str| text.parse::<u32>().map_err(|error| error.to_string());
+    fn parse(name: &str, blocks: &str, values: &[&str]) -> Result<Self> {
+        let number = |text: &str| text.parse::<u32>();
         Ok(Self {
             name: name.to_string(),
             blocks: number(blocks)?,
@@ -130,17 +132,17 @@ impl Kernel {
 }
 
 impl Printed {
-    fn parse(text: &str) -> Result<Self, String> {
+    fn parse(text: &str) -> Result<Self> {
         let mut printed = Self::default();
         for line in text.lines() {
             let words: Vec<&str> = line.split(' ').collect();
             match words[..] {
                 ["motion", "seed", seed] => printed.seed = seed.to_string(),
                 ["kernel", name, blocks, ref values @ ..] => {
-                    let wrong = |error| format!("`{line}`: {error}");
-                    let kernel = Kernel::parse(name, blocks, values).map_err(wrong)?;
+                    let wrong = || format!("`{line}`");
+                    let kernel = Kernel::parse(name, blocks, values).with_context(wrong)?;
                     printed.kernels.push(kernel);
-                    let checksum = value("checksum", values).map_err(wrong)?.to_string();
+                    let checksum = value("checksum", values).with_context(wrong)?.to_string();
                     let forces = format!("{name} {blocks}");
                     printed.checksums.insert(forces, checksum);
                 }
@@ -148,11 +150,11 @@ impl Printed {
                     let forces = format!("{kernel} steps {steps}");
                     printed.checksums.insert(forces, checksum.to_string());
                 }
-                _ => return Err(format!("the harness printed `{line}`")),
+                _ => bail!("the harness printed `{line}`"),
             }
         }
         match printed.ticks() {
-            0 => Err("the harness measured nothing".to_string()),
+            0 => bail!("the harness measured nothing"),
             _ => Ok(printed),
         }
     }
@@ -164,12 +166,12 @@ impl Printed {
 }
 
 /// The word after a name.
-fn value<'a>(name: &str, words: &[&'a str]) -> Result<&'a str, String> {
+fn value<'a>(name: &str, words: &[&'a str]) -> Result<&'a str> {
     let mut pairs = words.chunks_exact(2);
     let found = pairs.find(|pair| pair[0] == name);
     found
         .map(|pair| pair[1])
-        .ok_or_else(|| format!("no {name}"))
+        .with_context(|| format!("no {name}"))
 }
 
 #[cfg(test)]
@@ -189,7 +191,7 @@ mod tests {
         assert_eq!(printed.checksums["gms_f32 4"], "0a1b");
         assert_eq!(printed.checksums["gms_f32 steps 1000000"], "22");
 
-        let refused = |text: &str| Printed::parse(text).unwrap_err();
+        let refused = |text: &str| format!("{:#}", Printed::parse(text).unwrap_err());
         assert!(refused("panicked").contains("printed `panicked`"));
         assert!(refused(&kernel.replace("32 state", "x state")).contains("invalid digit"));
         assert!(refused("motion seed 7").contains("measured nothing"));

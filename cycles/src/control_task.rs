@@ -4,13 +4,17 @@
 //! every interrupt is recorded: queues, controller, friction, bridge, telemetry, timer and watchdog. Left out is the exchange
 //! with the stage, which stands for reading a counter and two ADC channels. Peripherals answer without wait states.
 
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context as _, Result};
+use fs_err as fs;
+use preslide_tools::image::{self, MODEL, PACKED, build_rig};
+
 use super::disassembly::Disassembly;
 use super::recorder::{Recorder, TakenPath, Watched};
 use super::table::Row;
 use super::{Prices, price, price_paths, stages};
-use crate::qemu::{self, LEARNING, LEARNING_FEATURES, PACKED};
-use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// RTIC gives the task the name of the interrupt that it is bound to.
 const HANDLER: &str = "TIMER0";
@@ -25,64 +29,69 @@ const TOLD: [(&str, &str); 2] = [
     ("_winding", "motor.resistance_span=0.4"),
 ];
 
-/// Kernel, and the build of the firmware with it: name and features.
-type Build = (&'static str, &'static str, &'static [&'static str]);
+/// A build of the firmware, and how its kernel is called in the table.
+struct Build {
+    kernel: String,
+    image: String,
+    features: String,
+    /// The exported model that is compiled in.
+    model: Option<&'static str>,
+}
 
-const BUILDS: [Build; 10] = [
-    ("quasi_static_i16f16", "qemu-fixed", &[]),
-    ("quasi_static_f32", "qemu-float", &["--features", "float"]),
-    ("packed_i16f16", PACKED[0].1, &[]),
-    ("packed_f32", PACKED[1].1, &[]),
-    (
-        "quasi_static_i16f16_observer",
-        "qemu-fixed-observer",
-        &["--features", "observer"],
-    ),
-    (
-        "quasi_static_f32_observer",
-        "qemu-float-observer",
-        &["--features", "float,observer"],
-    ),
-    (
-        "quasi_static_i16f16_watch",
-        "qemu-fixed-watch",
-        &["--features", "watch"],
-    ),
-    (
-        "quasi_static_f32_watch",
-        "qemu-float-watch",
-        &["--features", "float,watch"],
-    ),
-    (
-        "quasi_static_i16f16_adaptation",
-        LEARNING,
-        LEARNING_FEATURES,
-    ),
-    (
-        "quasi_static_f32_adaptation",
-        "qemu-float-adaptation",
-        &["--features", "float,adaptation"],
-    ),
-];
+/// What the firmware can do besides, each a feature of it.
+const EXTRAS: [&str; 3] = ["observer", "watch", "adaptation"];
+
+/// The quasi-static law in fixed point and in float, with an extra or with none.
+fn quasi_static(extra: Option<&str>) -> [Build; 2] {
+    [("i16f16", "fixed", None), ("f32", "float", Some("float"))].map(
+        |(scalar, arithmetic, float)| {
+            let named =
+                |joint: &str| extra.map_or(String::new(), |extra| format!("{joint}{extra}"));
+            let features: Vec<&str> = float.into_iter().chain(extra).collect();
+            Build {
+                kernel: format!("quasi_static_{scalar}{}", named("_")),
+                image: format!("qemu-{arithmetic}{}", named("-")),
+                features: format!("--features={}", features.join(",")),
+                model: None,
+            }
+        },
+    )
+}
+
+/// The packed kernel, as it is exported for each arithmetic.
+fn packed() -> [Build; 2] {
+    let kernels = ["packed_i16f16", "packed_f32"];
+    [0, 1].map(|index| Build {
+        kernel: kernels[index].to_owned(),
+        image: PACKED[index].1.to_owned(),
+        features: String::new(),
+        model: Some(PACKED[index].0),
+    })
+}
 
 /// `preslide_link::MOST_BLOCKS`.
 const BLOCKS: u32 = 4;
 
 /// Adds the rows of every build to the table.
-pub fn measure(recorder: &Recorder, prices: &Prices, rows: &mut Vec<Row>) -> Result<(), String> {
-    let rig = qemu::build_rig()?;
-    let mut measure = |build, (name, told): (&str, Option<&str>)| {
+pub fn measure(recorder: &Recorder, prices: &Prices, rows: &mut Vec<Row>) -> Result<()> {
+    let rig = build_rig()?;
+    let mut measure = |build: &Build, (name, told): (&str, Option<&str>)| {
         let tick = Tick::record(recorder, &rig, build, told)?;
         let mut row = price_paths(&tick.disassembly, &tick.paths, prices.of_interrupt)?;
-        row.kernel = format!("rtic_tick_{}{name}", tick.kernel);
+        row.kernel = format!("rtic_tick_{}{name}", build.kernel);
         row.blocks = BLOCKS;
         rows.push(row);
-        Ok::<(), String>(())
+        anyhow::Ok(())
     };
-    for build in &BUILDS {
+    let plain = quasi_static(None);
+    let with_extras = EXTRAS
+        .into_iter()
+        .flat_map(|extra| quasi_static(Some(extra)));
+    let others: Vec<Build> = packed().into_iter().chain(with_extras).collect();
+    for build in plain.iter().chain(&others) {
         measure(build, ("", None))?;
     }
-    for build in &BUILDS[..2] {
+    for build in &plain {
         for (name, told) in TOLD {
             measure(build, (name, Some(told)))?;
         }
@@ -91,17 +100,19 @@ pub fn measure(recorder: &Recorder, prices: &Prices, rows: &mut Vec<Row>) -> Res
 }
 
 /// Prints where the cycles of the tick go, with and without float; the instructions stand in a file each.
-pub fn print_stages(recorder: &Recorder) -> Result<(), String> {
-    let rig = qemu::build_rig()?;
-    let listed = |build| {
+pub fn print_stages(recorder: &Recorder) -> Result<()> {
+    let rig = build_rig()?;
+    let listed = |build: &Build| {
         let tick = Tick::record(recorder, &rig, build, None)?;
-        Ok::<_, String>([
-            tick.listed(tick.kernel, &tick.paths)?,
-            tick.listed(&format!("longest {}", tick.kernel), tick.longest()?)?,
+        let longest = format!("longest {}", build.kernel);
+        anyhow::Ok([
+            tick.listed(&build.kernel, &tick.paths)?,
+            tick.listed(&longest, tick.longest()?)?,
         ])
     };
-    let [fixed, longest_fixed] = listed(&BUILDS[0])?;
-    let [float, longest_float] = listed(&BUILDS[1])?;
+    let [fixed, float] = quasi_static(None);
+    let [fixed, longest_fixed] = listed(&fixed)?;
+    let [float, longest_float] = listed(&float)?;
     stages::print("the mean tick", &[fixed, float]);
     println!();
     stages::print("the longest tick", &[longest_fixed, longest_float]);
@@ -113,28 +124,20 @@ type Listed = (String, stages::Breakdown);
 
 /// The recorded interrupts of a build.
 struct Tick {
-    kernel: &'static str,
     program: PathBuf,
     disassembly: Disassembly,
     paths: Vec<TakenPath>,
 }
 
 impl Tick {
-    fn record(
-        recorder: &Recorder,
-        rig: &Path,
-        build: &Build,
-        told: Option<&str>,
-    ) -> Result<Self, String> {
-        let &(kernel, name, features) = build;
-        let exported = PACKED.iter().find(|(_, image)| *image == name);
-        let exported = exported.map(|(model, _)| (qemu::MODEL, *model));
-        let program = qemu::build_with(exported, "preslide-qemu", name, features)?;
+    fn record(recorder: &Recorder, rig: &Path, build: &Build, told: Option<&str>) -> Result<Self> {
+        let model = build.model.map(|model| (MODEL, model));
+        let program = image::build(&build.image, &build.features, model)?;
         let disassembly = Disassembly::of(&program)?;
         let address_of = |part: &str| {
             let mut functions = disassembly.functions_named("");
             let found = functions.find(|(_, name)| name.contains(part));
-            found.map(|(address, _)| address).ok_or_else(|| {
+            found.map(|(address, _)| address).with_context(|| {
                 format!("{}: no function {part}; was it inlined?", program.display())
             })
         };
@@ -150,11 +153,10 @@ impl Tick {
             .arg(recorder.plugin(&watched))
             .args(told);
         let mut recording = recorder.watch(&mut run, &watched)?;
-        let paths = recording
-            .remove(&handler)
-            .ok_or_else(|| format!("{kernel}: no control tick was recorded"))?;
+        let paths = recording.remove(&handler);
+        let paths =
+            paths.with_context(|| format!("{}: no control tick was recorded", build.kernel))?;
         Ok(Self {
-            kernel,
             program,
             disassembly,
             paths,
@@ -162,7 +164,7 @@ impl Tick {
     }
 
     /// The stages of some of its paths; each of their instructions stands in a file.
-    fn listed(&self, what: &str, paths: &[TakenPath]) -> Result<Listed, String> {
+    fn listed(&self, what: &str, paths: &[TakenPath]) -> Result<Listed> {
         let breakdown = stages::of(&self.program, &self.disassembly, paths)?;
         let extension = if paths.len() == 1 {
             "longest"
@@ -170,14 +172,13 @@ impl Tick {
             "cycles"
         };
         let file = self.program.with_extension(extension);
-        std::fs::write(&file, &breakdown.listing)
-            .map_err(|error| format!("cannot write {}: {error}", file.display()))?;
+        fs::write(&file, &breakdown.listing)?;
         println!("each instruction of {what}: {}", file.display());
         Ok((what.to_string(), breakdown))
     }
 
     /// The dearest path, alone.
-    fn longest(&self) -> Result<&[TakenPath], String> {
+    fn longest(&self) -> Result<&[TakenPath]> {
         let (mut longest, mut worst) = (&self.paths[..0], 0);
         for path in &self.paths {
             let cycles = price::of_interrupt(&self.disassembly.steps(path)?).cycles;

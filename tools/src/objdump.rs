@@ -5,16 +5,26 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A line of it.
 pub enum Line<'a> {
     /// `000174b8 <name>:`, where a function begins.
-    Label { address: u32, name: &'a str },
+    Label {
+        /// Its first instruction's.
+        address: u32,
+        /// As the program has it, mangled or not.
+        name: &'a str,
+    },
     /// `   174b8:⇥BYTES⇥OPERATION⇥OPERANDS`, an instruction or a literal.
     Code {
+        /// Where it stands.
         address: u32,
+        /// How long it is.
         bytes: u32,
+        /// The mnemonic.
         operation: &'a str,
+        /// Registers, numbers and targets.
         operands: &'a str,
     },
 }
 
+/// Its lines but for headings and blanks.
 pub fn lines(listing: &str) -> impl Iterator<Item = Line<'_>> {
     listing
         .lines()
@@ -61,6 +71,7 @@ pub fn without_condition(name: &str) -> &str {
 
 /// A function.
 pub struct Function {
+    /// As the program has it, mangled or not.
     pub name: String,
     /// Of its code, literals included.
     pub bytes: u32,

@@ -7,14 +7,15 @@
 use std::ffi::OsString;
 use std::process::{Command, ExitCode};
 
-use crate::process::root;
+use anyhow::{Context as _, Result};
+use preslide_tools::process::root;
 
 /// Set for cargo, and so for the rustc that it starts: this program is rustc's wrapper.
 const WRAPS: &str = "PRESLIDE_XTASK_WRAPS_RUSTC";
 
 /// Has cargo call rustc through this program.
-pub fn wrap(cargo: &mut Command) -> Result<(), String> {
-    let this = std::env::current_exe().map_err(|error| format!("where is xtask? {error}"))?;
+pub fn wrap(cargo: &mut Command) -> Result<()> {
+    let this = std::env::current_exe().context("where is xtask?")?;
     cargo.env("RUSTC_WRAPPER", this).env(WRAPS, root());
     Ok(())
 }

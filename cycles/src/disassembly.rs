@@ -2,17 +2,18 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
-use std::process::Command;
+
+use anyhow::{Context as _, Result, anyhow};
+use preslide_tools::objdump::{self, Line};
+use preslide_tools::process::{command, output};
 
 use super::instruction::Instruction;
 use super::recorder::TakenPath;
-use crate::objdump::{self, Line};
-use crate::process::output;
 
 #[derive(Default)]
 pub struct Disassembly {
     /// By address. What has no price is an error only once a path runs over it.
-    instructions: HashMap<u32, Result<Instruction, String>>,
+    instructions: HashMap<u32, Result<Instruction>>,
     /// Mnemonic and operands, as objdump prints them.
     texts: HashMap<u32, String>,
     /// Name and length in bytes, literals included, by start address.
@@ -20,10 +21,9 @@ pub struct Disassembly {
 }
 
 impl Disassembly {
-    pub fn of(program: &Path) -> Result<Self, String> {
-        Ok(Self::parse(&output(
-            Command::new("arm-none-eabi-objdump").arg("-d").arg(program),
-        )?))
+    pub fn of(program: &Path) -> Result<Self> {
+        let listing = output(command("arm-none-eabi-objdump -d").arg(program))?;
+        Ok(Self::parse(&listing))
     }
 
     fn parse(listing: &str) -> Self {
@@ -66,18 +66,15 @@ impl Disassembly {
         disassembly
     }
 
-    pub fn instruction(&self, address: u32) -> Result<&Instruction, String> {
-        match self.instructions.get(&address) {
-            Some(Ok(instruction)) => Ok(instruction),
-            Some(Err(reason)) => Err(reason.clone()),
-            None => Err(format!(
-                "the path runs over {address:#x}, which objdump shows no instruction for"
-            )),
-        }
+    pub fn instruction(&self, address: u32) -> Result<&Instruction> {
+        let found = self.instructions.get(&address).with_context(|| {
+            format!("the path runs over {address:#x}, which objdump shows no instruction for")
+        })?;
+        found.as_ref().map_err(|reason| anyhow!("{reason}"))
     }
 
     /// The instructions of a path, with their addresses.
-    pub fn steps(&self, path: &TakenPath) -> Result<Vec<(u32, Instruction)>, String> {
+    pub fn steps(&self, path: &TakenPath) -> Result<Vec<(u32, Instruction)>> {
         let mut steps = Vec::new();
         for &(first, last) in &path.stretches {
             let mut address = first;

@@ -22,9 +22,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::process::Command;
 
-use crate::process::{IN_ONE_PIECE, cargo, output, root, run, target_of};
-use crate::thumb::{TARGET, Toolchain};
-use crate::tools::Need;
+use anyhow::{Context as _, Result, bail};
+use fs_err as fs;
+use preslide_tools::need::Need;
+use preslide_tools::process::{
+    IN_ONE_PIECE, build_as_tests, cargo, output, released, root, run, target_of,
+};
+use preslide_tools::thumb::{TARGET, Toolchain};
+
 use disassembly::Disassembly;
 use harness::Run;
 use instruction::Instruction;
@@ -65,9 +70,9 @@ const CORTEX_M4F: Core = Core {
             "Cost of one update on a Cortex-M4F without wait states, made by `cargo xtask cycles`.",
             "QEMU is not cycle accurate: it gives the exact instruction paths, and the cycle table of the core's manual",
             "prices them. No board has confirmed these figures. A row's cycles include call and return (`empty_call`).",
-            "cycles_low and cycles_high: the mean, where the manual leaves the cost open (xtask/src/cycles/price.rs).",
+            "cycles_low and cycles_high: the mean, where the manual leaves the cost open (cycles/src/price.rs).",
             "cycles_in_tick: by how much a control tick (PID, sensors in memory) grows with the kernel inlined, saved registers",
-            "included. floor: the least that the quasi-static law takes by argument (xtask/src/cycles/table.rs); compare it with",
+            "included. floor: the least that the quasi-static law takes by argument (cycles/src/table.rs); compare it with",
             "cycles_in_tick.",
             "with_EFFECT_SCALAR: `With<Gms<4>, (Effect,)>`; compare cycles_in_tick with that of gms_SCALAR. with_nothing: `()`.",
             "exported_c_KERNEL: what `preslide export --lang c` writes of the same six blocks, by gcc -O2; its forces are KERNEL's.",
@@ -84,9 +89,12 @@ const CORTEX_M4F: Core = Core {
 /// Ticks of the whole motion (`firmware/cycles/src/motion.rs`).
 const ALL_TICKS: &str = "10000";
 
-pub fn run_command(arguments: &[String]) -> Result<(), String> {
-    let flags = ["--check", "--recount", "--tick", "--m0plus", "--hazard3"];
-    match crate::given("cycles", &flags, arguments)? {
+/// What `cargo xtask cycles` takes.
+pub const FLAGS: [&str; 5] = ["--check", "--recount", "--tick", "--m0plus", "--hazard3"];
+
+/// `cargo xtask cycles`, with one of [`FLAGS`] or none.
+pub fn run_command(flag: Option<&str>) -> Result<()> {
+    match flag {
         Some("--tick") => tick(),
         Some("--m0plus") => write(&m0plus::CORE),
         Some("--hazard3") => hazard3::run_command().and_then(|()| inputs::record(hazard3::COMMAND)),
@@ -97,7 +105,7 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
 }
 
 /// The command that writes a table, and what compares this tree with it: whether all counts were found as recorded.
-type Check = (&'static str, fn() -> Result<bool, String>);
+type Check = (&'static str, fn() -> Result<bool>);
 
 const CHECKS: [Check; 3] = [
     (CORTEX_M4F.command, || check(&CORTEX_M4F)),
@@ -105,12 +113,8 @@ const CHECKS: [Check; 3] = [
     (hazard3::COMMAND, hazard3::check),
 ];
 
-fn check_all(checks: &[Check]) -> Result<(), String> {
-    checks.iter().try_for_each(|(_, check)| check().map(drop))
-}
-
 /// Counts everything again. A table whose counts were all found, none skipped, is of these sources, too: nobody need count it once more.
-fn recount() -> Result<(), String> {
+fn recount() -> Result<()> {
     for (command, check) in CHECKS {
         if check()? {
             inputs::record(command)?;
@@ -120,43 +124,40 @@ fn recount() -> Result<(), String> {
 }
 
 /// Counts again only what was counted from other sources than stand here.
-fn check_changed() -> Result<(), String> {
+fn check_changed() -> Result<()> {
     let changed = inputs::changed(&CHECKS.map(|(command, _)| command))?;
-    let (again, same): (Vec<Check>, Vec<Check>) = CHECKS
-        .iter()
-        .partition(|(command, _)| changed.contains(command));
+    let is_changed = |(command, _): &&Check| changed.contains(command);
+    let (again, same): (Vec<_>, Vec<_>) = CHECKS.iter().partition(is_changed);
     for (command, _) in same {
         println!(
             "the sources are those that `{command}` counted; `cargo xtask cycles --recount` counts again"
         );
     }
-    check_all(&again)
+    again.iter().try_for_each(|(_, check)| check().map(drop))
 }
 
 /// Measures, prints the core's table and writes it.
-fn write(core: &Core) -> Result<(), String> {
+fn write(core: &Core) -> Result<()> {
     let (header, rows) = measured(core)?;
     let file = core.prices.table;
-    std::fs::write(root().join(file), table::to_csv(&header, &rows))
-        .map_err(|error| format!("cannot write {file}: {error}"))?;
+    fs::write(root().join(file), table::to_csv(&header, &rows))?;
     println!("\nwritten to {file}");
     inputs::record(core.command)
 }
 
 /// Measures, and compares with the committed tables.
-fn check(core: &Core) -> Result<bool, String> {
+fn check(core: &Core) -> Result<bool> {
     let (_, rows) = measured(core)?;
     let file = core.prices.table;
-    let text = std::fs::read_to_string(root().join(file))
-        .map_err(|error| format!("cannot read {file}: {error}"))?;
-    let committed = table::from_csv(&text).map_err(|error| format!("{file}: {error}"))?;
+    let text = fs::read_to_string(root().join(file))?;
+    let committed = table::from_csv(&text).context(file)?;
     let regressions = table::regressions(&committed, &rows);
     if !regressions.is_empty() {
-        return Err(format!(
+        bail!(
             "worse than {file}:\n  {}\nIf that is meant (or the compilers differ from those in its header), run `{}` and commit the table",
             regressions.join("\n  "),
             core.command
-        ));
+        );
     }
     println!("\nno instruction count grew by more than 3 % over {file}");
     Ok(table::same(&committed, &rows))
@@ -166,7 +167,7 @@ fn check(core: &Core) -> Result<bool, String> {
 type Table = (Vec<String>, Vec<Row>);
 
 /// Measures, and prints the table.
-fn measured(core: &Core) -> Result<Table, String> {
+fn measured(core: &Core) -> Result<Table> {
     let (header, rows) = measure(core)?;
     println!();
     for line in &header {
@@ -180,7 +181,7 @@ fn measured(core: &Core) -> Result<Table, String> {
 }
 
 /// Prints where the cycles of the control tick go.
-fn tick() -> Result<(), String> {
+fn tick() -> Result<()> {
     Need::ArmGcc.ensure()?;
     Need::Qemu.ensure()?;
     control_task::print_stages(&Recorder::build(recordings())?)
@@ -192,44 +193,44 @@ fn recordings() -> PathBuf {
 }
 
 /// What builds the harness.
-const BUILD: [&str; 5] = [
-    "build",
-    "--release",
-    "--locked",
-    "--package",
-    "preslide-cycles",
-];
+const BUILD: &str = "build --release --locked --package preslide-cycles";
 
 /// The first line of what a program says of its version.
-fn version_of(program: &str) -> Result<String, String> {
+fn version_of(program: &str) -> Result<String> {
     let printed = output(Command::new(program).arg("--version"))?;
     Ok(printed.lines().next().unwrap_or_default().to_string())
 }
 
 /// Builds the harness; the program, and the compiler's version.
-fn build(core: &Core) -> Result<(PathBuf, String), String> {
+fn build(core: &Core) -> Result<(PathBuf, String)> {
     let firmware = root().join("firmware");
     let version = if core.target == TARGET {
         let toolchain = Toolchain::ensure()?;
-        run(&mut toolchain.cargo(&firmware, &BUILD))?;
+        run(&mut toolchain.cargo(&firmware, BUILD))?;
         toolchain.version()?
     } else {
-        let mut build = cargo(&BUILD);
-        build.args(["--target", core.target]).envs([IN_ONE_PIECE]);
-        run(build.current_dir(&firmware)).map_err(|error| {
-            format!(
-                "{error}\nIf the target is missing: rustup target add {}",
-                core.target
-            )
-        })?;
+        run(&mut cargo_for(core.target)).with_context(|| no_image(core.target))?;
         version_of("rustc")?
     };
     let built = target_of(&firmware).join(core.target);
     Ok((built.join("release/cycles"), version))
 }
 
+/// What builds the harness for another core.
+fn cargo_for(target: &str) -> Command {
+    let mut build = cargo(BUILD);
+    build.args(["--target", target]).envs([IN_ONE_PIECE]);
+    build.current_dir(root().join("firmware"));
+    build
+}
+
+/// What a failed build means, and may want.
+fn no_image(target: &str) -> String {
+    format!("no image for {target} (if the target is missing: rustup target add {target})")
+}
+
 /// Builds the harness, runs it under the recorder, and prices what was recorded.
-fn measure(core: &Core) -> Result<Table, String> {
+fn measure(core: &Core) -> Result<Table> {
     Need::ArmGcc.ensure()?;
     Need::Qemu.ensure()?;
     let (program, version) = build(core)?;
@@ -251,33 +252,24 @@ fn measure(core: &Core) -> Result<Table, String> {
 }
 
 /// The forces that every kernel computed on the target in so many ticks must be, bit for bit, those it computes here.
-fn compare_with_host(target: &BTreeMap<String, String>, ticks: &str) -> Result<(), String> {
-    // Of the whole workspace, as its tests are: of one package, cargo compiles the host's libraries again with other features.
-    let build = [
-        "build",
-        "--release",
-        "--workspace",
-        "--example",
-        "kernel_forces",
-    ];
-    run(&mut cargo(&build))?;
-    let program = target_of(root()).join("release/examples/kernel_forces");
-    let printed = output(Command::new(program).arg(ticks))?;
+fn compare_with_host(target: &BTreeMap<String, String>, ticks: &str) -> Result<()> {
+    build_as_tests("--example kernel_forces")?;
+    let printed = output(Command::new(released("examples/kernel_forces")).arg(ticks))?;
     let mut compared = 0;
     for line in printed.lines() {
         let (kernel, checksum) = line
             .rsplit_once(' ')
-            .ok_or_else(|| format!("kernel_forces printed `{line}`"))?;
+            .with_context(|| format!("kernel_forces printed `{line}`"))?;
         match target.get(kernel) {
             Some(found) if found == checksum => compared += 1,
             Some(found) => {
-                return Err(format!(
+                bail!(
                     "{kernel}: the forces on the target (checksum {found}) differ from the host's ({checksum})"
-                ));
+                );
             }
             // The long runs are another machine's.
             None if kernel.contains("steps") && ticks != ALL_TICKS => {}
-            None => return Err(format!("{kernel} ran on the host but not on the target")),
+            None => bail!("{kernel} ran on the host but not on the target"),
         }
     }
     let long = target.keys().filter(|key| key.contains("steps")).count();
@@ -289,11 +281,7 @@ fn compare_with_host(target: &BTreeMap<String, String>, ticks: &str) -> Result<(
 }
 
 /// A row but for what only the measured program knows.
-fn price_paths(
-    disassembly: &Disassembly,
-    paths: &[TakenPath],
-    price_of: PriceOf,
-) -> Result<Row, String> {
+fn price_paths(disassembly: &Disassembly, paths: &[TakenPath], price_of: PriceOf) -> Result<Row> {
     let mut functions = BTreeSet::new();
     let (mut calls, mut instructions, mut longest, mut worst) = (0, 0, 0, 0);
     let (mut cycles, mut low, mut high) = (0, 0, 0);
@@ -331,7 +319,7 @@ fn price_paths(
     })
 }
 
-fn header(prices: &Prices, version: &str, seed: &str) -> Result<Vec<String>, String> {
+fn header(prices: &Prices, version: &str, seed: &str) -> Result<Vec<String>> {
     let mut lines: Vec<String> = prices.header.iter().map(ToString::to_string).collect();
     lines.push(format!("motion seed: {seed}"));
     lines.push(format!("rustc: {version}"));
