@@ -301,21 +301,16 @@ fn price_paths(disassembly: &Disassembly, paths: &[TakenPath], price_of: PriceOf
     }
     let mean = |sum: u64| sum as f64 / f64::from(calls);
     Ok(Row {
-        kernel: String::new(),
-        blocks: 0,
         instructions_mean: mean(instructions),
         instructions_max: longest,
         cycles_mean: mean(cycles),
         cycles_worst: worst,
         cycles_low: mean(low),
         cycles_high: mean(high),
-        cycles_in_tick: None,
-        floor: None,
         flash_bytes: functions.iter().map(|(_, length)| length).sum(),
-        ram_bytes: None,
         paths: paths.len() as u32,
         calls,
-        error: None,
+        ..Row::default()
     })
 }
 

@@ -69,15 +69,8 @@ fn of_step(now: &Instruction, jumps: bool) -> Price {
         Class::Special | Class::MemoryBarrier | Class::InstructionBarrier => 3,
         _ => 1,
     };
-    Price {
-        cycles,
-        low: if now.class == Class::Special {
-            1
-        } else {
-            cycles
-        },
-        high: cycles,
-    }
+    let is_special = now.class == Class::Special;
+    Price::between(if is_special { 1 } else { cycles }, cycles, cycles)
 }
 
 #[cfg(test)]

@@ -26,11 +26,11 @@ pub struct Price {
 
 impl Price {
     fn exactly(cycles: u32) -> Self {
-        Self {
-            cycles,
-            low: cycles,
-            high: cycles,
-        }
+        Self::between(cycles, cycles, cycles)
+    }
+
+    pub fn between(low: u32, cycles: u32, high: u32) -> Self {
+        Self { cycles, low, high }
     }
 }
 
@@ -38,11 +38,11 @@ impl Add for Price {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        Self {
-            cycles: self.cycles + other.cycles,
-            low: self.low + other.low,
-            high: self.high + other.high,
-        }
+        Self::between(
+            self.low + other.low,
+            self.cycles + other.cycles,
+            self.high + other.high,
+        )
     }
 }
 
@@ -115,36 +115,16 @@ fn of_step(
                 .into_iter()
                 .flatten()
                 .any(|beside| beside.memory);
-            Price {
-                cycles: 1,
-                low: 1,
-                high: if hidden { 1 } else { 2 },
-            }
+            Price::between(1, 1, if hidden { 1 } else { 2 })
         }
         Class::Multiple(words) => Price::exactly(1 + words),
-        Class::Divide => Price {
-            cycles: 12,
-            low: 2,
-            high: 12,
-        },
+        Class::Divide => Price::between(2, 12, 12),
         Class::Branch => Price::exactly(if jumps { 2 + refill } else { 1 }),
         Class::CompareAndBranch => Price::exactly(if jumps { 3 + refill } else { 1 }),
         Class::TableBranch => Price::exactly(4),
-        Class::Special => Price {
-            cycles: 2,
-            low: 1,
-            high: 2,
-        },
-        Class::MemoryBarrier => Price {
-            cycles: 1,
-            low: 1,
-            high: 4,
-        },
-        Class::InstructionBarrier => Price {
-            cycles: 2,
-            low: 2,
-            high: 4,
-        },
+        Class::Special => Price::between(1, 2, 2),
+        Class::MemoryBarrier => Price::between(1, 1, 4),
+        Class::InstructionBarrier => Price::between(2, 2, 4),
         Class::IfThen => Price::exactly(u32::from(before.is_none_or(|before| before.size != 2))),
     };
     if now.loads_pc() && jumps {
@@ -169,11 +149,7 @@ fn of_step(
 fn load(before: Option<&Instruction>, now: &Instruction) -> Price {
     match before.filter(|before| before.class == Class::Load) {
         Some(before) if before.writes & now.address != 0 => Price::exactly(2),
-        Some(before) if before.updates & now.address != 0 => Price {
-            cycles: 2,
-            low: 1,
-            high: 2,
-        },
+        Some(before) if before.updates & now.address != 0 => Price::between(1, 2, 2),
         Some(_) => Price::exactly(1),
         None => Price::exactly(2),
     }
@@ -228,27 +204,13 @@ mod tests {
     #[test]
     fn an_isolated_store_has_a_range() {
         let isolated = [(2, "movs", "r0, #1"), (2, "str", "r0, [r1, #0]"), RETURN];
-        assert_eq!(
-            price(0, &isolated),
-            Price {
-                cycles: 4,
-                low: 4,
-                high: 5
-            }
-        );
+        assert_eq!(price(0, &isolated), Price::between(4, 4, 5));
         let hidden = [
             (2, "ldr", "r0, [r1, #0]"),
             (2, "str", "r2, [r1, #4]"),
             RETURN,
         ];
-        assert_eq!(
-            price(0, &hidden),
-            Price {
-                cycles: 5,
-                low: 5,
-                high: 5
-            }
-        );
+        assert_eq!(price(0, &hidden), Price::between(5, 5, 5));
     }
 
     #[test]

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::str::FromStr;
 
 use anyhow::{Context as _, Result, bail};
 
 /// What one kernel at one N costs for each update.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
     pub kernel: String,
     pub blocks: u32,
@@ -92,33 +93,36 @@ pub fn from_csv(text: &str) -> Result<Vec<Row>> {
 }
 
 fn row(line: &str) -> Option<Row> {
-    let cells: Vec<&str> = line.split(',').collect();
-    let whole = |index: usize| cells.get(index)?.parse::<u32>().ok();
-    let decimal = |index: usize| cells.get(index)?.parse::<f64>().ok();
-    let optional = |index: usize| match *cells.get(index)? {
-        "" => Some(None),
-        cell => cell.parse::<f64>().ok().map(Some),
-    };
+    let mut cells = line.split(',');
     Some(Row {
-        kernel: cells.first()?.to_string(),
-        blocks: whole(1)?,
-        instructions_mean: decimal(2)?,
-        instructions_max: whole(3)?,
-        cycles_mean: decimal(4)?,
-        cycles_worst: whole(5)?,
-        cycles_low: decimal(6)?,
-        cycles_high: decimal(7)?,
-        cycles_in_tick: optional(8)?,
-        floor: optional(9)?,
-        flash_bytes: whole(10)?,
-        ram_bytes: match *cells.get(11)? {
-            "" => None,
-            cell => Some(cell.parse().ok()?),
-        },
-        paths: whole(12)?,
-        calls: whole(13)?,
-        error: optional(14)?,
+        kernel: cells.next()?.to_owned(),
+        blocks: number(cells.next())?,
+        instructions_mean: number(cells.next())?,
+        instructions_max: number(cells.next())?,
+        cycles_mean: number(cells.next())?,
+        cycles_worst: number(cells.next())?,
+        cycles_low: number(cells.next())?,
+        cycles_high: number(cells.next())?,
+        cycles_in_tick: optional(cells.next())?,
+        floor: optional(cells.next())?,
+        flash_bytes: number(cells.next())?,
+        ram_bytes: optional(cells.next())?,
+        paths: number(cells.next())?,
+        calls: number(cells.next())?,
+        error: optional(cells.next())?,
     })
+}
+
+fn number<T: FromStr>(cell: Option<&str>) -> Option<T> {
+    cell?.parse().ok()
+}
+
+/// `None` in an empty cell.
+fn optional<T: FromStr>(cell: Option<&str>) -> Option<Option<T>> {
+    match cell? {
+        "" => Some(None),
+        cell => cell.parse().ok().map(Some),
+    }
 }
 
 /// The least that the quasi-static law can take on this core in two-block words, inlined: 12 cycles for the displacement,

@@ -2,6 +2,7 @@
 //! images and what is in them.
 
 pub mod call_graph;
+pub mod checked;
 pub mod image;
 pub mod need;
 pub mod objdump;

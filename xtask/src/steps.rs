@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use preslide_cycle_tables as cycles;
+use preslide_tools::checked;
 use preslide_tools::need::Need;
 use preslide_tools::process::{
     cargo, command, output, root, run, run_counting, run_for, target_of, with_folder,
@@ -112,11 +113,11 @@ pub const STEPS: &[Step] = &[
         needs: &[Need::Qemu, Need::QemuRiscv],
         lane: Lane::Beside,
         run: |tier| {
-            crate::example::run_in_qemu()?;
-            crate::example_riscv::run_in_qemu()?;
+            preslide_emulated::example::run_in_qemu()?;
+            preslide_emulated::example_riscv::run_in_qemu()?;
             match tier {
                 Tier::Gate => Ok(()),
-                Tier::All => crate::example::link_others(),
+                Tier::All => preslide_emulated::example::link_others(),
             }
         },
     },
@@ -139,7 +140,7 @@ pub const STEPS: &[Step] = &[
         reason: "the firmware in QEMU gives the host's commands, and every fault ends in the safe state",
         needs: &[Need::Qemu, Need::ArmGcc],
         lane: Lane::Beside,
-        run: |tier| crate::qemu::run_command(tier.pick(None, Some("--long"))),
+        run: |tier| preslide_emulated::qemu::run_command(tier.pick(None, Some("--long"))),
     },
     Step {
         name: "chain",
@@ -149,7 +150,7 @@ pub const STEPS: &[Step] = &[
         run: |tier| {
             // One effect, named and tracked close to what is possible, by the kernel that is recommended for the board's core.
             let short = ["--count", "1", "--kernel", "packed_f32", "--brief"].map(str::to_owned);
-            crate::chain::run_command(tier.pick(&short, &[]))
+            preslide_emulated::chain::run_command(tier.pick(&short, &[]))
         },
     },
     Step {
@@ -321,7 +322,7 @@ fn firmware(tier: Tier) -> Result<()> {
         let line = "build --release --locked";
         run(&mut toolchain.cargo_for(target, &root().join(folder), line))?;
         let built = target_of(&firmware).join(target).join("release");
-        crate::image::check(program, &built.join(program), task, &[])?;
+        checked::image(program, &built.join(program), task, &[])?;
     }
     Ok(())
 }

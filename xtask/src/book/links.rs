@@ -6,11 +6,12 @@ use preslide_tools::process::root;
 use super::page::{Page, links};
 
 /// Folders whose files the text names in backticks.
-const FOLDERS: [&str; 12] = [
+const FOLDERS: [&str; 13] = [
     "src/",
     "cli/",
     "cycles/",
     "docs/",
+    "emulated/",
     "firmware/",
     "fit/",
     "host-tests/",

@@ -13,7 +13,7 @@ mod tree;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use anyhow::{Result, bail};
+use anyhow::{Result, ensure};
 use fs_err as fs;
 use preslide_tools::process::{command, output, root};
 
@@ -22,14 +22,20 @@ use tree::{Edge, Tree};
 /// The page that gives the order.
 const PAGE: &str = "ARCHITECTURE.md";
 
+/// Where each function of these sources stands decides what is counted of it: they are not rearranged for a rule.
+const COUNTED: &str = "firmware/cycles/src";
+
 /// Reads every crate of the project, and says what breaks the rules.
 pub fn check() -> Result<()> {
     let page = fs::read_to_string(root().join(PAGE))?;
     let manifests = output(command("git ls-files *Cargo.toml").current_dir(root()))?;
+    let folders = manifests
+        .lines()
+        .map(|file| file.replace("Cargo.toml", "src"));
     let mut wrong = Vec::new();
-    for manifest in manifests.lines() {
-        let name = manifest.replace("Cargo.toml", "src");
-        if !root().join(&name).is_dir() {
+    for name in folders.filter(|name| root().join(name).is_dir()) {
+        if name == COUNTED {
+            println!("{name}: not looked at, since its cycles are counted");
             continue;
         }
         let tree = Tree::read(&root().join(&name))?;
@@ -37,7 +43,7 @@ pub fn check() -> Result<()> {
         let circles = circles(&edges);
         println!(
             "{name}: {} files, {} imports between siblings, {} of them in circles",
-            tree.len(),
+            tree.0.len(),
             edges.len(),
             circles.len()
         );
@@ -46,14 +52,16 @@ pub fn check() -> Result<()> {
                 .iter()
                 .map(|edge| format!("{name}: {edge}, in a circle")),
         );
-        if let Some(order) = order(&page, &name) {
-            let breaches = out_of_order(&order, &tree, &edges);
-            wrong.extend(breaches.iter().map(|breach| format!("{name}: {breach}")));
-        }
+        let order = order(&page, &name);
+        let breaches = order.map(|order| out_of_order(&order, &tree, &edges));
+        wrong.extend(
+            breaches
+                .iter()
+                .flatten()
+                .map(|breach| format!("{name}: {breach}")),
+        );
     }
-    if !wrong.is_empty() {
-        bail!(wrong.join("\n"));
-    }
+    ensure!(wrong.is_empty(), "{}", wrong.join("\n"));
     Ok(())
 }
 

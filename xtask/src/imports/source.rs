@@ -1,4 +1,4 @@
-//! What a source file imports, names and defines, read from its tokens, those of macros included. Tests are left out.
+//! What a source file imports and names, read from its tokens, those of macros included. Tests are left out.
 
 use std::collections::BTreeSet;
 
@@ -21,13 +21,7 @@ pub struct Source {
     pub imports: Vec<Import>,
     /// Paths in expressions and types that begin with `crate::` or `super::`.
     pub spelled_out: BTreeSet<Path>,
-    pub defined: BTreeSet<String>,
 }
-
-/// Words before the name that they define.
-const DEFINING: [&str; 9] = [
-    "struct", "enum", "fn", "trait", "type", "const", "static", "mod", "union",
-];
 
 impl Source {
     pub fn read(text: &str) -> Result<Self> {
@@ -72,9 +66,6 @@ impl Source {
                         at += 3;
                     }
                     self.spelled_out.insert(path);
-                }
-                TokenTree::Ident(_) if DEFINING.contains(&word.as_str()) => {
-                    self.defined.extend(after.first().map(TokenTree::to_string));
                 }
                 TokenTree::Group(group) => self.take(group.stream()),
                 _ => {}

@@ -15,7 +15,7 @@ use super::source::{self, Source};
 type Place = source::Path;
 
 /// The files of one crate, each with its name from the crate's folder, by their place.
-pub struct Tree(BTreeMap<Place, (String, Source)>);
+pub struct Tree(pub BTreeMap<Place, (String, Source)>);
 
 /// A module takes something from a sibling.
 pub struct Edge {
@@ -72,11 +72,6 @@ impl Tree {
         Ok(Self(modules.collect::<Result<_>>()?))
     }
 
-    /// How many files there are.
-    pub fn len(&self) -> usize {
-        self.0.len()
-    }
-
     /// The modules right under the crate.
     pub fn rooms(&self) -> BTreeSet<&str> {
         let first = self.0.keys().filter_map(|place| place.first());
@@ -131,27 +126,13 @@ impl Tree {
             return None;
         }
         let name = rest.first().filter(|_| depth < DEEPEST);
-        let handed_on = name.and_then(|name| self.handed_on(&at, name, depth));
+        let handed_on = name.and_then(|name| {
+            // What it imports itself, by name or with all else; any other name is its own.
+            let imports = &self.0.get(&at)?.1.imports;
+            let of = |alias: &str| imports.iter().find(|import| import.alias == alias);
+            self.giver(&at, &of(name).or(of("*"))?.path, depth + 1)
+        });
         handed_on.or_else(|| self.0.contains_key(&at).then_some(at))
-    }
-
-    /// The module that a name comes from which `at` itself imports.
-    fn handed_on(&self, at: &[String], name: &str, depth: usize) -> Option<Place> {
-        let (_, source) = self.0.get(at)?;
-        if source.defined.contains(name) {
-            return None;
-        }
-        let named = source.imports.iter().find(|import| import.alias == name);
-        if let Some(import) = named {
-            return self.giver(at, &import.path, depth + 1);
-        }
-        let globs = source.imports.iter().filter(|import| import.alias == "*");
-        let mut places = globs.filter_map(|import| self.giver(at, &import.path, depth + 1));
-        places.find(|place| {
-            self.0
-                .get(place)
-                .is_some_and(|(_, s)| s.defined.contains(name))
-        })
     }
 }
 

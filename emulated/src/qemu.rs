@@ -10,12 +10,11 @@ use std::process::Command;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail, ensure};
+use preslide_tools::checked::{self, ADC1_2};
 use preslide_tools::image::{MODEL, PACKED, build, build_command, build_rig, kept};
 use preslide_tools::need::Need;
 use preslide_tools::process::{free_port, output_for, released, root, run, run_for, with_folder};
 use preslide_tools::thumb::Toolchain;
-
-use crate::image::{self, ADC1_2};
 
 /// The interrupt of the control task; nothing that can panic may be reached from it, but for the end of a run, which only the emulator's has.
 const TIMER0: &str = "TIMER0";
@@ -42,7 +41,7 @@ pub fn run_command(flag: Option<&str>) -> Result<()> {
     boards()?;
     let rig = build_rig()?;
     for (kind, elf) in &images.variants {
-        image::check(kind, elf, TIMER0, &[QUIT])?;
+        checked::image(kind, elf, TIMER0, &[QUIT])?;
         let once = || output_for(Command::new(&rig).arg(kind).arg(elf), LIMIT);
         let (first, _) = once()?;
         print!("{first}");
@@ -69,8 +68,8 @@ pub fn run_command(flag: Option<&str>) -> Result<()> {
     faults.arg("faults").arg(fixed).arg(root().join(GOLDEN));
     run_for(faults.args(bless.then_some("--bless")), LIMIT)?;
     let with_learning = "fixed with watch and adaptation";
-    image::check(with_learning, &images.learning, TIMER0, &[QUIT])?;
-    image::check("koopman", &images.koopman, TIMER0, &[QUIT])?;
+    checked::image(with_learning, &images.learning, TIMER0, &[QUIT])?;
+    checked::image("koopman", &images.koopman, TIMER0, &[QUIT])?;
     for (what, elf) in [
         ("wear", &images.learning),
         ("winding", fixed),
@@ -138,8 +137,8 @@ fn boards() -> Result<()> {
     ] {
         let (mut build, board) = build_command("preslide-stm32g474")?;
         run(build.envs(model.map(|file| (MODEL, root().join(file)))))?;
-        image::check(kind, &board, ADC1_2, &[])?;
-        image::check_ccm(&board)?;
+        checked::image(kind, &board, ADC1_2, &[])?;
+        checked::ccm(&board)?;
     }
     Ok(())
 }

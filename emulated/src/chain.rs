@@ -35,6 +35,7 @@ const LOCATED_CALIBRATED: &str = "0.124";
 /// Trials at a time; a trial keeps one core busy.
 const WORKERS: usize = 2;
 
+/// `cargo xtask chain`.
 pub fn run_command(arguments: &[String]) -> Result<()> {
     let mut asked = Asked {
         seed: 1,

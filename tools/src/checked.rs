@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use crate::call_graph;
+use crate::process::{command, output};
 use anyhow::{Context as _, Result, bail, ensure};
-use preslide_tools::call_graph;
-use preslide_tools::process::{command, output};
 
 /// The interrupt of the control task on the STM32G474.
 pub const ADC1_2: &str = "ADC1_2";
@@ -16,7 +16,7 @@ const CCM: std::ops::Range<u32> = 0x1000_0000..0x1000_8000;
 const LEAST_STACK: u32 = 8670;
 
 /// Prints flash and RAM of an image; its control task, but for what is `beyond`, must not reach a panic.
-pub fn check(kind: &str, elf: &Path, task: &str, beyond: &[&str]) -> Result<()> {
+pub fn image(kind: &str, elf: &Path, task: &str, beyond: &[&str]) -> Result<()> {
     let sizes = output(command("arm-none-eabi-size").arg(elf))?;
     let numbers = sizes.lines().nth(1).unwrap_or_default().split_whitespace();
     let numbers: Vec<u64> = numbers.filter_map(|word| word.parse().ok()).collect();
@@ -40,7 +40,7 @@ pub fn check(kind: &str, elf: &Path, task: &str, beyond: &[&str]) -> Result<()> 
 }
 
 /// Whether the control task, all that it calls and the stack are in CCM SRAM. A panic, which ends the task, may be in flash.
-pub fn check_ccm(elf: &Path) -> Result<()> {
+pub fn ccm(elf: &Path) -> Result<()> {
     let reached = reached(elf, ADC1_2, &[])?;
     // The linker reaches flash from there through veneers only, which it names.
     let outside = reached.iter().filter(|(at, name)| {
