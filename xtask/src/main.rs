@@ -17,7 +17,8 @@ use preslide_cycle_tables as cycles;
 use preslide_emulated::{chain, qemu};
 
 /// Every command with what it does, a line each. The last six are judges of the diagnosis, which list their own options.
-const HELP: &str = "\
+const HELP: &str = "cargo xtask COMMAND
+
   test        everything CI runs, or the steps named; --all adds the long studies before a release; --serial runs one step at a time; installs what is missing
   book        builds the book, runs the commands in it and compares what they print; --bless takes new output
   imports     checks who imports whom: no circles, and the order in ARCHITECTURE.md
@@ -41,7 +42,7 @@ fn main() -> ExitCode {
     let (name, rest) = match arguments.split_first() {
         Some((name, rest)) if !["help", "--help", "-h"].contains(&name.as_str()) => (name, rest),
         _ => {
-            println!("cargo xtask COMMAND\n\n{}", HELP.trim_end());
+            print!("{HELP}");
             return ExitCode::SUCCESS;
         }
     };
@@ -61,6 +62,7 @@ fn main() -> ExitCode {
 /// The line of a command, if there is one of this name.
 fn help(name: &str) -> Option<&'static str> {
     HELP.lines()
+        .skip(1)
         .find(|line| line.split_whitespace().next() == Some(name))
 }
 
@@ -78,7 +80,7 @@ fn command(name: &str, help: &str, arguments: &[String]) -> Result<()> {
             .iter()
             .any(|word| ["--help", "-h"].contains(&word.as_str())) =>
         {
-            println!("cargo xtask\n{help}");
+            println!("cargo xtask {}", help.trim());
             Ok(())
         }
         "test" => test::run_steps(arguments),

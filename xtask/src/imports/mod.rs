@@ -103,7 +103,10 @@ fn out_of_order(order: &BTreeMap<&str, usize>, tree: &Tree, edges: &[Edge]) -> V
         .map(|room| format!("{PAGE} names `{room}`, which is no room"));
     let floor = |room: &String| order.get(room.as_str());
     let between_rooms = edges.iter().filter(|e| e.folder.is_empty());
-    let upward = between_rooms.filter(|e| floor(&e.to).is_some() && floor(&e.to) >= floor(&e.from));
+    let upward = between_rooms.filter(|e| {
+        let (from, to) = (floor(&e.from), floor(&e.to));
+        from.is_some_and(|from| to >= Some(from))
+    });
     let upward = upward.map(|e| format!("{e}, which {PAGE} does not place above"));
     unnamed.chain(gone).chain(upward).collect()
 }

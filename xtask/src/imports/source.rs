@@ -52,10 +52,8 @@ impl Source {
                     expand(&[], &after[..length], &mut self.imports);
                     at += length;
                 }
-                // Not `$crate`, nor the middle of another path.
                 TokenTree::Ident(_)
-                    if ["crate", "super"].contains(&word.as_str())
-                        && !before.last().is_some_and(|t| is(t, '$') || is(t, ':')) =>
+                    if ["crate", "super"].contains(&word.as_str()) && !continues(before) =>
                 {
                     let mut path = vec![word];
                     while let [one, two, TokenTree::Ident(next), ..] = &tokens[at..]
@@ -71,6 +69,15 @@ impl Source {
                 _ => {}
             }
         }
+    }
+}
+
+/// Whether a path is under way: `a::super`, or another crate's, `$crate`.
+fn continues(before: &[TokenTree]) -> bool {
+    match before {
+        [.., one, two] if is(one, ':') && is(two, ':') => true,
+        [.., last] => is(last, '$'),
+        [] => false,
     }
 }
 

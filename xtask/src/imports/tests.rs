@@ -45,7 +45,10 @@ fn a_circle_of_three_rooms_through_files_deep_inside_and_through_what_a_parent_h
             ("lib.rs", hands_on),
             ("a/mod.rs", "mod inner;"),
             ("a/inner.rs", "use crate::{b, d};\nfn f() { b::g() }"),
-            ("b.rs", "fn g() { println!(\"{}\", crate::Thing::NAME) }"),
+            (
+                "b.rs",
+                "fn g(of: crate::Thing) { println!(\"{}\", crate::Thing::NAME) }",
+            ),
             ("c/mod.rs", "pub mod deep;"),
             ("c/deep.rs", "use crate::a::inner;\npub struct Thing;"),
             // Beside it: what nothing is taken of, and what takes nothing.
@@ -54,6 +57,7 @@ fn a_circle_of_three_rooms_through_files_deep_inside_and_through_what_a_parent_h
         ]);
         let expected = [
             "a/inner.rs takes crate::b: `a` from `b`",
+            "b.rs takes crate::Thing: `b` from `c`",
             "b.rs takes crate::Thing::NAME: `b` from `c`",
             "c/deep.rs takes crate::a::inner: `c` from `a`",
         ];
