@@ -463,7 +463,7 @@ fn a_machine_that_only_warms_does_not_tell_run_in_from_warming() {
         let rows = Rows::new(&beside_temperature(temperature), &[]).expect("rows");
         let of = |id: &str| {
             let effect = effect::by_id(id).expect("in the catalogue");
-            effect.equivalents(&rows.s).first().map(|e| e.id())
+            effect.equivalents(&rows.s).first().copied()
         };
         [of("run_in"), of("thermal_drift")]
     };
