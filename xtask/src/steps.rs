@@ -1,18 +1,22 @@
 //! What `cargo xtask test` checks, each step with its reason.
 
-use std::process::Command;
+use std::time::Duration;
 
-use crate::cycles;
-use crate::process::{cargo, output, root, run, run_counting, run_for, target_of, words};
-use crate::thumb::{TARGET, Toolchain};
-use crate::tools::Need;
+use anyhow::Result;
+use preslide_cycle_tables as cycles;
+use preslide_tools::checked;
+use preslide_tools::need::Need;
+use preslide_tools::process::{
+    cargo, command, output, root, run, run_counting, run_for, target_of, with_folder,
+};
+use preslide_tools::thumb::{TARGET, Toolchain};
 
 pub struct Step {
     pub name: &'static str,
     pub reason: &'static str,
     pub needs: &'static [Need],
     pub lane: Lane,
-    pub run: fn(Tier) -> Result<(), String>,
+    pub run: fn(Tier) -> Result<()>,
 }
 
 /// How much of a step runs.
@@ -22,6 +26,16 @@ pub enum Tier {
     Gate,
     /// With the long studies, before a release.
     All,
+}
+
+impl Tier {
+    /// One thing in the gate, another with the long studies.
+    fn pick<T>(self, gate: T, all: T) -> T {
+        match self {
+            Self::Gate => gate,
+            Self::All => all,
+        }
+    }
 }
 
 /// Steps of two lanes run beside each other: fat link-time optimisation and an emulator keep one core busy, and leave another to the host's tests.
@@ -50,7 +64,7 @@ pub const STEPS: &[Step] = &[
         reason: "no circle of imports, and each room imports only what ARCHITECTURE.md places above it",
         needs: &[],
         lane: Lane::Host,
-        run: |_| crate::imports::run_command(&[]),
+        run: |_| crate::imports::check(),
     },
     Step {
         name: "clippy",
@@ -65,8 +79,8 @@ pub const STEPS: &[Step] = &[
         needs: &[],
         lane: Lane::Host,
         run: |_| {
-            run(cargo(&["doc", "--release", "--workspace", "--no-deps"])
-                .env("RUSTDOCFLAGS", "-D warnings"))
+            let line = "doc --release --workspace --no-deps";
+            run(cargo(line).env("RUSTDOCFLAGS", "-D warnings"))
         },
     },
     Step {
@@ -82,8 +96,8 @@ pub const STEPS: &[Step] = &[
         needs: &[],
         lane: Lane::Host,
         run: |_| {
-            let readers = ["--features", "formats", "--test", "formats"];
-            run(cargo(&["test", "--release", "-p", "preslide-fit"]).args(readers))
+            let line = "test --release -p preslide-fit --features formats --test formats";
+            run(&mut cargo(line))
         },
     },
     Step {
@@ -99,11 +113,11 @@ pub const STEPS: &[Step] = &[
         needs: &[Need::Qemu, Need::QemuRiscv],
         lane: Lane::Beside,
         run: |tier| {
-            crate::example::run_in_qemu()?;
-            crate::example_riscv::run_in_qemu()?;
+            preslide_emulated::example::run_in_qemu()?;
+            preslide_emulated::example_riscv::run_in_qemu()?;
             match tier {
                 Tier::Gate => Ok(()),
-                Tier::All => crate::example::link_others(),
+                Tier::All => preslide_emulated::example::link_others(),
             }
         },
     },
@@ -119,26 +133,14 @@ pub const STEPS: &[Step] = &[
         reason: "no kernel executes more instructions than the committed table says",
         needs: &[Need::Qemu, Need::ArmGcc],
         lane: Lane::Beside,
-        run: |tier| {
-            let how = match tier {
-                Tier::Gate => "--check",
-                Tier::All => "--recount",
-            };
-            cycles::run_command(&[how.to_owned()])
-        },
+        run: |tier| cycles::run_command(Some(tier.pick("--check", "--recount"))),
     },
     Step {
         name: "qemu",
         reason: "the firmware in QEMU gives the host's commands, and every fault ends in the safe state",
         needs: &[Need::Qemu, Need::ArmGcc],
         lane: Lane::Beside,
-        run: |tier| {
-            let long = ["--long".to_owned()];
-            crate::qemu::run_command(match tier {
-                Tier::Gate => &[],
-                Tier::All => &long,
-            })
-        },
+        run: |tier| preslide_emulated::qemu::run_command(tier.pick(None, Some("--long"))),
     },
     Step {
         name: "chain",
@@ -148,10 +150,7 @@ pub const STEPS: &[Step] = &[
         run: |tier| {
             // One effect, named and tracked close to what is possible, by the kernel that is recommended for the board's core.
             let short = ["--count", "1", "--kernel", "packed_f32", "--brief"].map(str::to_owned);
-            crate::chain::run_command(match tier {
-                Tier::Gate => &short,
-                Tier::All => &[],
-            })
+            preslide_emulated::chain::run_command(tier.pick(&short, &[]))
         },
     },
     Step {
@@ -181,11 +180,8 @@ pub const STEPS: &[Step] = &[
         needs: &[],
         lane: Lane::Free,
         run: |tier| {
-            let set = match tier {
-                Tier::Gate => "gate",
-                Tier::All => "whole",
-            };
-            crate::judge::judge("sources", &["--ci".to_owned(), set.to_owned()])
+            let set = ["--ci", tier.pick("gate", "whole")].map(str::to_owned);
+            crate::judge::judge("sources", &set)
         },
     },
     Step {
@@ -200,7 +196,7 @@ pub const STEPS: &[Step] = &[
         reason: "the book builds without a warning, its commands work and print what it says",
         needs: &[],
         lane: Lane::Host,
-        run: |_| crate::book::run_command(&[], has_step),
+        run: |_| crate::book::run_command(false, has_step),
     },
 ];
 
@@ -213,76 +209,57 @@ pub fn has_step(name: &str) -> bool {
     STEPS.iter().any(|step| step.name == name)
 }
 
-fn format() -> Result<(), String> {
+fn format() -> Result<()> {
     let firmware = FIRMWARE.iter().map(|(folder, _)| *folder);
-    ["", "examples"]
-        .into_iter()
-        .chain(firmware)
-        .try_for_each(|folder| {
-            run(cargo(&["fmt", "--all", "--check"]).current_dir(root().join(folder)))
-        })
+    let mut folders = ["", "examples"].into_iter().chain(firmware);
+    folders.try_for_each(|folder| run(cargo("fmt --all --check").current_dir(root().join(folder))))
 }
 
 /// Without the benchmarks but in the long tier: nothing else needs their nineteen crates, which have features of serde that no other step has.
-fn clippy(tier: Tier) -> Result<(), String> {
-    let left_out: &[&str] = match tier {
-        Tier::Gate => &["--exclude", "preslide-bench"],
-        Tier::All => &[],
-    };
-    let line = words("clippy --release --workspace --all-targets");
-    let denied = ["--", "-D", "warnings"];
-    run(&mut cargo(&[&line[..], left_out, &denied].concat()))
+fn clippy(tier: Tier) -> Result<()> {
+    let left_out = tier.pick("--exclude preslide-bench", "");
+    let line = format!("clippy --release --workspace --all-targets {left_out} -- -D warnings");
+    run(&mut cargo(&line))
 }
 
 /// In the profile of demo and judges, so that the host is compiled once. A test whose data is absent says so in a line of its own, past the
 /// harness that keeps what passing tests print.
-fn host_tests(tier: Tier) -> Result<(), String> {
-    // Not `--bins`, which makes a test of every program that has none.
-    let tests = ["test", "--release", "--workspace", "--tests"];
-    let tests = [&tests[..], &["--exclude", "preslide-bench"]].concat();
-    // By itself, so that its minutes are seen.
-    run(cargo(&tests).arg("--no-run"))?;
-    let mut programs = cargo(&tests);
-    programs.arg("--no-fail-fast");
-    if tier == Tier::All {
-        programs.args(["--", "--include-ignored"]);
-    }
+fn host_tests(tier: Tier) -> Result<()> {
+    // Without the benchmarks: with the features that their crates ask of serde, all that stands on it is compiled again.
+    let tests = "test --release --workspace --exclude preslide-bench";
+    // Not `--bins`, which makes a test of every program that has none. By itself, so that its minutes are seen.
+    run(&mut cargo(&format!("{tests} --tests --no-run")))?;
+    let more = tier.pick("", "-- --include-ignored");
+    let mut programs = cargo(&format!("{tests} --tests --no-fail-fast {more}"));
     let skipped = run_counting(&mut programs, "SKIPPED");
-    // Without them, too: with the features that the benchmarks' crates ask of serde, all that stands on it is compiled again.
-    let examples = "test --release --workspace --exclude preslide-bench --doc";
-    run(&mut cargo(&words(examples)))?;
+    run(&mut cargo(&format!("{tests} --doc")))?;
     println!("{} tests skipped for want of data", skipped?);
     Ok(())
 }
 
 /// Without the two tests that try every pair of some hundred numbers: the first of them had not ended after five minutes.
-fn miri() -> Result<(), String> {
-    let nightly = |arguments: &[&str]| {
-        let mut command = Command::new("cargo");
-        command.args(arguments).current_dir(root());
-        command.env_remove("RUSTUP_TOOLCHAIN");
+fn miri() -> Result<()> {
+    let nightly = |line: &str| {
+        let mut command = command(&format!("cargo +nightly miri {line}"));
+        command.current_dir(root()).env_remove("RUSTUP_TOOLCHAIN");
         command
     };
-    if output(&mut nightly(&["+nightly", "miri", "--version"])).is_err() {
-        let install = ["toolchain", "install", "nightly", "--profile", "minimal"];
-        let mut rustup = Command::new("rustup");
-        rustup.args(install).args(["--component", "miri,rust-src"]);
-        if let Err(reason) = run_for(&mut rustup, std::time::Duration::from_secs(300)) {
-            println!("SKIPPED: Miri has NOT looked at the library: {reason}");
+    if output(&mut nightly("--version")).is_err() {
+        let install =
+            "rustup toolchain install nightly --profile minimal --component miri,rust-src";
+        if let Err(reason) = run_for(&mut command(install), Duration::from_secs(300)) {
+            println!("SKIPPED: Miri has NOT looked at the library: {reason:#}");
             return Ok(());
         }
     }
-    let tests = "+nightly miri test --package preslide --lib -- --skip fixed_point_gives --skip halves_give";
-    run(&mut nightly(&words(tests)))
+    let tests = "test --package preslide --lib -- --skip fixed_point_gives --skip halves_give";
+    run(&mut nightly(tests))
 }
 
 /// Beside the firmware's builds: cargo lets one command at a time into a folder, and the host's are at work in the other.
-fn thumb_build(tier: Tier) -> Result<(), String> {
+fn thumb_build(tier: Tier) -> Result<()> {
     let folder = target_of(&root().join("firmware"));
-    let checked = match tier {
-        Tier::Gate => "check",
-        Tier::All => "build",
-    };
+    let checked = tier.pick("check", "build");
     for (target, what) in [
         // Cores that the kernels multiply otherwise on, in assembly.
         (TARGET, "build"),
@@ -291,9 +268,9 @@ fn thumb_build(tier: Tier) -> Result<(), String> {
         ("thumbv6m-none-eabi", checked),
         ("riscv32imac-unknown-none-elf", checked),
     ] {
-        let arguments = [what, "--release", "--package", "preslide", "--all-features"];
+        let line = format!("{what} --release --package preslide --all-features");
         if let Some(toolchain) = who_builds("the library", target)? {
-            let mut build = toolchain.cargo_for(target, root(), &arguments);
+            let mut build = toolchain.cargo_for(target, root(), &line);
             run(build.arg("--target-dir").arg(&folder))?;
         }
     }
@@ -308,7 +285,7 @@ const FIRMWARE: [(&str, &str); 3] = [
 ];
 
 /// Who builds for a target, if anybody can: the reference's must be built.
-fn who_builds(what: &str, target: &str) -> Result<Option<Toolchain>, String> {
+fn who_builds(what: &str, target: &str) -> Result<Option<Toolchain>> {
     match target {
         TARGET => Toolchain::ensure().map(Some),
         _ => Ok(Toolchain::or_skipped(target, what)),
@@ -317,46 +294,42 @@ fn who_builds(what: &str, target: &str) -> Result<Option<Toolchain>, String> {
 
 /// What a board is put together by is tested where the test runs, and each board is built; the Pico 2, whose chip's crates take two minutes, in
 /// the long tier. Debian's compiler comes without clippy for the target: it builds, which warns of less.
-fn firmware(tier: Tier) -> Result<(), String> {
-    let tests = ["test", "--locked", "--package", "preslide-app"];
-    run(cargo(&tests).current_dir(root().join("firmware")))?;
-    let count = match tier {
-        Tier::Gate => FIRMWARE.len() - 1,
-        Tier::All => FIRMWARE.len(),
-    };
-    for (folder, target) in &FIRMWARE[..count] {
+fn firmware(tier: Tier) -> Result<()> {
+    let firmware = root().join("firmware");
+    run(cargo("test --locked --package preslide-app").current_dir(&firmware))?;
+    let workspaces = &FIRMWARE[..tier.pick(FIRMWARE.len() - 1, FIRMWARE.len())];
+    for (folder, target) in workspaces {
         let Some(toolchain) = who_builds(folder, target)? else {
             continue;
         };
-        let (what, denied): (_, &[&str]) = match toolchain {
-            Toolchain::Installed => ("clippy", &["--", "-D", "warnings"]),
-            Toolchain::Debian => ("build", &[]),
+        let (what, denied) = match toolchain {
+            Toolchain::Installed => ("clippy", "-- -D warnings"),
+            Toolchain::Debian => ("build", ""),
         };
-        let arguments = [what, "--release", "--locked", "--workspace"];
-        let mut command = toolchain.cargo_for(target, &root().join(folder), &arguments);
-        run(command.args(denied))?;
+        let line = format!("{what} --release --locked --workspace");
+        let mut command = toolchain.cargo_for(target, &root().join(folder), &line);
+        run(command.args(denied.split_whitespace()))?;
     }
     // Those of no other step are linked, too, which clippy does not: a program may not fit, lack a symbol, or reach a panic.
     let programs = [
         ("preslide-b-g431b-esc1", "ADC1_2"),
         ("preslide-pico2", "PWM_IRQ_WRAP_0"),
     ];
-    for ((folder, target), (program, task)) in FIRMWARE[1..count].iter().zip(programs) {
-        let arguments = ["build", "--release", "--locked"];
+    for ((folder, target), (program, task)) in workspaces[1..].iter().zip(programs) {
         let Some(toolchain) = who_builds(folder, target)? else {
             continue;
         };
-        run(&mut toolchain.cargo_for(target, &root().join(folder), &arguments))?;
-        let built = target_of(&root().join("firmware")).join(target);
-        crate::qemu::check_image(program, &built.join("release").join(program), task, &[])?;
+        let line = "build --release --locked";
+        run(&mut toolchain.cargo_for(target, &root().join(folder), line))?;
+        let built = target_of(&firmware).join(target).join("release");
+        checked::image(program, &built.join(program), task, &[])?;
     }
     Ok(())
 }
 
-fn demo() -> Result<(), String> {
-    let folder = std::env::temp_dir().join(format!("preslide-demo-{}", std::process::id()));
-    run(cargo(&["run", "--release", "--", "demo", "--out"]).arg(&folder))?;
-    crate::browser::check(&folder.join("report.html"))?;
-    std::fs::remove_dir_all(&folder)
-        .map_err(|error| format!("cannot remove {}: {error}", folder.display()))
+fn demo() -> Result<()> {
+    with_folder("demo", |folder| {
+        run(cargo("run --release -- demo --out").arg(folder))?;
+        crate::browser::check(&folder.join("report.html"))
+    })
 }

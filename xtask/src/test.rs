@@ -4,19 +4,20 @@ use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
+use anyhow::{Result, bail, ensure};
+use fs_err as fs;
+use preslide_tools::process::root;
 use wait4::Wait4 as _;
 
-use crate::process::root;
 use crate::steps::{APART, Lane, STEPS, Step, Tier, has_step};
 
 /// Runs every step but those of [`APART`], or those named; with `--all` the long studies, too; with `--serial` one after the other.
-pub fn run_steps(arguments: &[String]) -> Result<(), String> {
+pub fn run_steps(arguments: &[String]) -> Result<()> {
     let given = |flag: &str| arguments.iter().any(|argument| argument == flag);
     let serial = given("--serial");
-    let tier = if given("--all") {
-        Tier::All
-    } else {
-        Tier::Gate
+    let tier = match given("--all") {
+        true => Tier::All,
+        false => Tier::Gate,
     };
     let is_name = |argument: &&String| !["--serial", "--all"].contains(&argument.as_str());
     let names: Vec<&String> = arguments.iter().filter(is_name).collect();
@@ -33,13 +34,13 @@ pub fn run_steps(arguments: &[String]) -> Result<(), String> {
 }
 
 /// Those named; where none is, all, but those of [`APART`] in the long tier only.
-fn named(names: &[&String], tier: Tier) -> Result<Vec<&'static Step>, String> {
+fn named(names: &[&String], tier: Tier) -> Result<Vec<&'static Step>> {
     if let Some(name) = names.iter().find(|name| !has_step(name)) {
         let known: Vec<&str> = STEPS.iter().map(|step| step.name).collect();
-        return Err(format!(
+        bail!(
             "there is no step `{name}`; the steps are {}",
             known.join(", ")
-        ));
+        );
     }
     let is_meant = |step: &&Step| match names {
         [] => tier == Tier::All || !APART.contains(&step.name),
@@ -49,7 +50,7 @@ fn named(names: &[&String], tier: Tier) -> Result<Vec<&'static Step>, String> {
 }
 
 /// Runs a step in this process.
-fn here(step: &Step, tier: Tier) -> Result<(), String> {
+fn here(step: &Step, tier: Tier) -> Result<()> {
     println!("\n== {}: {}", step.name, step.reason);
     step.needs.iter().try_for_each(|need| need.ensure())?;
     (step.run)(tier)
@@ -101,20 +102,18 @@ fn logged(step: &'static Step, tier: Tier) -> Ended {
     println!("\n== beside: {}: {}", step.name, step.reason);
     let folder = root().join("target/test");
     let log = folder.join(format!("{}.log", step.name));
-    let command = std::fs::create_dir_all(folder).and_then(|()| {
-        let file = std::fs::File::create(&log)?;
+    let command = fs::create_dir_all(folder).and_then(|()| {
+        let file = fs::File::create(&log)?.into_file();
         let mut command = own_program(step, tier)?;
         command.stdout(file.try_clone()?).stderr(file);
         Ok(command)
     });
     let ended = ended(step, command);
-    let text = std::fs::read_to_string(&log).unwrap_or_default();
+    let text = fs::read_to_string(&log).unwrap_or_default();
     let (name, seconds) = (ended.name, ended.time.as_secs());
     if ended.is_well {
-        println!(
-            "\n== {name} ended well after {seconds} s; {}",
-            log.display()
-        );
+        let log = log.display();
+        println!("\n== {name} ended well after {seconds} s; {log}");
         for line in text.lines().filter(|line| line.starts_with("SKIPPED")) {
             println!("{line}");
         }
@@ -154,7 +153,7 @@ fn ended(step: &'static Step, command: std::io::Result<Command>) -> Ended {
 }
 
 /// A later step runs even if an earlier one failed: one run shows everything that is wrong.
-fn summarise(steps: &[Ended]) -> Result<(), String> {
+fn summarise(steps: &[Ended]) -> Result<()> {
     println!(
         "\n{:<10} {:>8} {:>10}  result",
         "step", "minutes", "of a core"
@@ -167,11 +166,8 @@ fn summarise(steps: &[Ended]) -> Result<(), String> {
     say_if_recordings_are_absent();
     let failed = steps.iter().filter(|step| !step.is_well);
     let failed: Vec<&str> = failed.map(|step| step.name).collect();
-    if failed.is_empty() {
-        Ok(())
-    } else {
-        Err(format!("failed: {}", failed.join(", ")))
-    }
+    ensure!(failed.is_empty(), "failed: {}", failed.join(", "));
+    Ok(())
 }
 
 /// Printed here as well as by the tests themselves, whose output cargo captures when they pass.

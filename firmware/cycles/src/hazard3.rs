@@ -1,4 +1,4 @@
-//! The machine under the kernels: Hazard3 in the testbench of `xtask/hazard3`, which runs the core's own RTL.
+//! The machine under the kernels: Hazard3 in the testbench of `cycles/hazard3`, which runs the core's own RTL.
 
 use core::arch::{asm, global_asm};
 use core::fmt::{Arguments, Write};

@@ -114,8 +114,7 @@ fn families(null: &NullModel, hypothesis: &Hypothesis, periods: &[f64]) -> Vec<F
         let subject = Subject::Effect(effect);
         let present = hypothesis.terms.iter().any(|t| {
             t.effect().is_some_and(|e| {
-                let excluded = e.excludes(&t.shape);
-                e.id() == effect.id() || excluded.iter().any(|x| x.id() == effect.id())
+                e.id() == effect.id() || e.excludes(&t.shape).contains(&effect.id())
             })
         });
         if present && !effect.card().recurs {

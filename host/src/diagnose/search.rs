@@ -220,9 +220,11 @@ fn in_its_place(null: &NullModel, without: &Hypothesis, next: &Candidate) -> Can
 
 /// The terms and one more, in place of those found before that it contains: its shapes were refined beside them, and are without.
 pub fn with(null: &NullModel, hypothesis: &Hypothesis, next: &Term) -> Option<Vec<Term>> {
-    let contains = next.effect().map_or(&[][..], |e| e.excludes(&next.shape));
+    let contains = next
+        .effect()
+        .map_or_else(Vec::new, |e| e.excludes(&next.shape));
     let stays = |t: &&Term| {
-        let contained = |e: &dyn Effect| contains.iter().any(|c| c.id() == e.id());
+        let contained = |e: &dyn Effect| contains.contains(&e.id());
         t.given || !t.effect().is_some_and(contained)
     };
     let mut terms: Vec<Term> = hypothesis.terms.iter().filter(stays).cloned().collect();
@@ -342,7 +344,7 @@ fn simplest<'a>(null: &NullModel, leader: &'a Candidate, fit: &[&'a Candidate]) 
     let rival = |effect: &dyn Effect| {
         plain.is_none_or(|leader| {
             let equivalents = leader.equivalents(&null.rows.s);
-            effect.id() == leader.id() || equivalents.iter().any(|e| e.id() == effect.id())
+            effect.id() == leader.id() || equivalents.contains(&effect.id())
         })
     };
     let told = |e: &dyn Effect| rival(e) && is_told(e, &null.rows.s);

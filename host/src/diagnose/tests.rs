@@ -463,7 +463,7 @@ fn only_warming_cannot_separate_run_in_from_temperature() {
         let rows = Rows::new(&beside_temperature(temperature), &[]).expect("rows");
         let of = |id: &str| {
             let effect = effect::by_id(id).expect("in the catalogue");
-            effect.equivalents(&rows.s).first().map(|e| e.id())
+            effect.equivalents(&rows.s).first().copied()
         };
         [of("run_in"), of("thermal_drift")]
     };

@@ -368,11 +368,12 @@ fn named(found: &Found, report: &TermReport, mechanics: &[(String, f64)]) -> Opt
         return None;
     }
     let mut ambiguous = report.ambiguous.clone();
-    for equivalent in effect.equivalents(&found.null.rows.s) {
+    let equivalents = effect.equivalents(&found.null.rows.s).into_iter();
+    for equivalent in equivalents.filter_map(effect::by_id) {
         if !ambiguous.iter().any(|e| e.id() == equivalent.id())
             && equivalent.lacks(&found.null.rows.s).is_none()
         {
-            ambiguous.push(*equivalent);
+            ambiguous.push(equivalent);
         }
     }
     let mut name = Named {

@@ -18,14 +18,17 @@ mod links;
 mod page;
 mod printed;
 
-use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use crate::process::{build_as_tests, released, root, run_for};
-use crate::tools::mdbook;
-use page::{CodeBlock, Kind, Page};
+use anyhow::{Context as _, Result, bail, ensure};
+use fs_err as fs;
+use preslide_tools::need::mdbook;
+use preslide_tools::process::{build_as_tests, output_for, released, root, with_folder};
+
+use crate::files::files;
+use page::{CodeBlock, Kind, Page, Place};
 
 /// No command of the book takes longer, on a busy machine either.
 const LIMIT: Duration = Duration::from_secs(900);
@@ -33,83 +36,78 @@ const LIMIT: Duration = Duration::from_secs(900);
 /// Whether `cargo xtask test` has a step of this name.
 type HasStep = fn(&str) -> bool;
 
-/// `--bless` writes what the commands print now into the book.
-pub fn run_command(arguments: &[String], has_step: HasStep) -> Result<(), String> {
-    let bless = crate::given("book", &["--bless"], arguments)?.is_some();
+/// `bless` writes what the commands print now into the book.
+pub fn run_command(bless: bool, has_step: HasStep) -> Result<()> {
     let mut pages = page::all(&root().join("docs/src"))?;
     links::check(&pages)?;
-    pages.push(page::page(root(), "README.md")?);
+    pages.push(Page::read(root(), "README.md")?);
     build()?;
-    follow(&pages, bless, has_step)
+    build_as_tests("--bin preslide")?;
+    with_folder("book", |folder| follow(&pages, folder, bless, has_step))
 }
 
 /// The pages in HTML, warnings denied, nothing in them that needs a network.
-fn build() -> Result<(), String> {
-    let program = mdbook()?;
-    let mut command = Command::new(program);
+fn build() -> Result<()> {
+    let mut command = Command::new(mdbook()?);
     command.args(["build", "docs"]).current_dir(root());
-    let result = command
-        .output()
-        .map_err(|error| format!("mdbook did not start: {error}"))?;
-    let said = String::from_utf8_lossy(&result.stdout).into_owned()
-        + &String::from_utf8_lossy(&result.stderr);
-    if !result.status.success() || said.contains("WARN") || said.contains("ERROR") {
-        return Err(format!("mdbook warns or fails:\n{}", said.trim()));
-    }
-    let folder = root().join("target/book");
-    let mut count = 0;
-    for file in files(&folder, "html")? {
-        let text = read(&file)?;
-        for tag in ["<script", "<link", "<img"] {
-            for part in text.split(tag).skip(1) {
-                let inside = part.split('>').next().unwrap_or_default();
-                if inside.contains("http://") || inside.contains("https://") {
-                    return Err(format!(
-                        "{}: `{tag}{inside}>` needs a network",
-                        file.display()
-                    ));
-                }
+    let result = command.output().context("mdbook did not start")?;
+    let said = [result.stdout, result.stderr].concat();
+    let said = String::from_utf8_lossy(&said);
+    let is_fine = result.status.success() && !said.contains("WARN") && !said.contains("ERROR");
+    ensure!(is_fine, "mdbook warns or fails:\n{}", said.trim());
+    let pages = files(&root().join("target/book"), "html")?;
+    for file in &pages {
+        let text = fs::read_to_string(file)?;
+        let tags = ["<script", "<link", "<img"].into_iter();
+        let tags = tags.flat_map(|tag| text.split(tag).skip(1).map(move |rest| (tag, rest)));
+        for (tag, rest) in tags {
+            let inside = rest.split('>').next().unwrap_or_default();
+            if inside.contains("http://") || inside.contains("https://") {
+                bail!("{}: `{tag}{inside}>` needs a network", file.display());
             }
         }
-        count += 1;
     }
-    println!("target/book: {count} pages, no warning, nothing that needs a network");
+    println!(
+        "target/book: {} pages, no warning, nothing that needs a network",
+        pages.len()
+    );
     Ok(())
 }
 
 /// Runs the blocks of all pages in order.
-fn follow(pages: &[Page], bless: bool, has_step: HasStep) -> Result<(), String> {
-    build_as_tests(&["--bin", "preslide"])?;
-    let scratch = std::env::temp_dir().join(format!("preslide-book-{}", std::process::id()));
-    fs::create_dir_all(&scratch)
-        .map_err(|error| format!("cannot create {}: {error}", scratch.display()))?;
-    let mut state = Walk {
-        scratch: &scratch,
+fn follow(pages: &[Page], folder: &Path, bless: bool, has_step: HasStep) -> Result<()> {
+    let mut walk = Walk {
+        folder,
+        bless,
         has_step,
         printed: None,
         counts: [0; 4],
-        failures: Vec::new(),
     };
+    let mut failures = Vec::new();
     for page in pages {
-        let mut lines: Vec<String> = page.text.lines().map(str::to_string).collect();
-        let mut shift = 0_isize;
-        state.printed = None;
+        let mut lines: Vec<String> = page.text.lines().map(str::to_owned).collect();
+        walk.printed = None;
+        // A block may get longer when it is blessed.
+        let mut shift = 0;
         for block in &page.blocks {
-            if let Some(new) = state.block(page, block, bless) {
-                let first = block.first.wrapping_add_signed(shift);
-                let range = first..first + block.lines.len();
-                shift += new.len() as isize - block.lines.len() as isize;
-                lines.splice(range, new);
+            let place = format!("{}:{}", page.name, block.first);
+            match walk.block(&place, block) {
+                Ok(None) => {}
+                Ok(Some(new)) => {
+                    let first = block.first.wrapping_add_signed(shift);
+                    shift += new.len() as isize - block.lines.len() as isize;
+                    lines.splice(first..first + block.lines.len(), new);
+                }
+                Err(reason) => failures.push(format!("{place}: {reason:#}")),
             }
         }
         let text = lines.join("\n") + "\n";
         if bless && text != page.text {
-            fs::write(&page.file, text)
-                .map_err(|error| format!("cannot write {}: {error}", page.file.display()))?;
+            fs::write(&page.file, text)?;
             println!("blessed {}", page.file.display());
         }
     }
-    let [ran, ci, skipped, board] = state.counts;
+    let [ran, ci, skipped, board] = walk.counts;
     println!(
         "\n{ran} blocks of commands ran; {ci} are run by other steps of `cargo xtask test`; {board} need a board and ran nowhere"
     );
@@ -118,117 +116,92 @@ fn follow(pages: &[Page], bless: bool, has_step: HasStep) -> Result<(), String> 
             "SKIPPED: ../shared/recordings is absent; {skipped} blocks of the book did not run"
         );
     }
-    if state.failures.is_empty() {
-        fs::remove_dir_all(&scratch)
-            .map_err(|error| format!("cannot remove {}: {error}", scratch.display()))
-    } else {
-        Err(format!(
-            "{}\n(what the commands wrote is in {}; `cargo xtask book --bless` takes what they print now)",
-            state.failures.join("\n"),
-            scratch.display()
-        ))
-    }
+    ensure!(
+        failures.is_empty(),
+        "{}\n(what the commands wrote is in {}; `cargo xtask book --bless` takes what they print now)",
+        failures.join("\n"),
+        folder.display()
+    );
+    Ok(())
 }
 
 struct Walk<'a> {
-    scratch: &'a Path,
+    folder: &'a Path,
+    bless: bool,
     has_step: HasStep,
     /// What the last commands of the page printed; `None` where they did not run.
     printed: Option<String>,
     /// Blocks run, left to another step, skipped, left to a board.
     counts: [u32; 4],
-    failures: Vec<String>,
 }
 
 impl Walk<'_> {
-    /// The new lines of a block of printed lines that `bless` changes.
-    fn block(&mut self, page: &Page, block: &CodeBlock, bless: bool) -> Option<Vec<String>> {
-        let place = format!("{}:{}", page.name, block.first);
+    /// Does what a block asks for; the new lines of one with printed lines that is blessed.
+    fn block(&mut self, place: &str, block: &CodeBlock) -> Result<Option<Vec<String>>> {
         match &block.kind {
             Kind::File(name) => {
-                let text = block.lines.join("\n") + "\n";
-                if let Err(error) = fs::write(self.scratch.join(name), text) {
-                    self.failures
-                        .push(format!("{place}: cannot write {name}: {error}"));
-                }
-            }
-            Kind::Run { folder } => self.run(&place, block, folder.as_deref()),
-            Kind::Recordings | Kind::Axis(_) if !recordings().is_dir() => {
-                self.counts[2] += 1;
-                self.printed = None;
-            }
-            Kind::Axis(recording) => {
-                match fs::copy(recordings().join(recording), self.scratch.join("axis.csv")) {
-                    Ok(_) => self.run(&place, block, None),
-                    Err(error) => self.failures.push(format!("{place}: {recording}: {error}")),
-                }
-            }
-            Kind::Recordings => self.run(&place, block, Some(root())),
-            Kind::Ci(step) => {
-                self.counts[1] += 1;
-                self.printed = None;
-                if let Err(reason) = in_ci(block, step, self.has_step) {
-                    self.failures.push(format!("{place}: {reason}"));
-                }
-            }
-            Kind::Board => {
-                self.counts[3] += 1;
-                self.printed = None;
+                fs::write(self.folder.join(name), block.lines.join("\n") + "\n")?;
             }
             Kind::Printed => {
-                let printed = self.printed.as_deref()?;
-                if bless {
-                    match printed::blessed(&block.lines, printed) {
-                        Ok(lines) => return Some(lines),
-                        Err(reason) => self.failures.push(format!("{place}: {reason}")),
-                    }
-                } else if let Err(reason) = printed::compare(&block.lines, printed) {
-                    self.failures.push(format!("{place}: {reason}"));
+                let printed = self.printed.as_deref();
+                let blessed = printed.filter(|_| self.bless);
+                if let Some(printed) = blessed {
+                    return printed::blessed(&block.lines, printed).map(Some);
                 }
+                return printed.map_or(Ok(None), |printed| {
+                    printed::compare(&block.lines, printed).map(|()| None)
+                });
+            }
+            Kind::Run(Place::Recordings | Place::Axis(_)) if !recordings().is_dir() => {
+                self.printed = None;
+                self.counts[2] += 1;
+            }
+            Kind::Run(at) => {
+                self.printed = None;
+                self.counts[0] += 1;
+                println!("\n{place}");
+                for line in &block.lines {
+                    println!("  {line}");
+                }
+                self.printed = Some(self.printed_by(block, at)?);
+            }
+            Kind::Ci(step) => {
+                self.printed = None;
+                self.counts[1] += 1;
+                in_ci(block, step, self.has_step)?;
+            }
+            Kind::Board => {
+                self.printed = None;
+                self.counts[3] += 1;
             }
             Kind::Long | Kind::Other => {}
         }
-        None
+        Ok(None)
     }
 
-    fn run(&mut self, place: &str, block: &CodeBlock, folder: Option<&Path>) {
-        self.counts[0] += 1;
-        self.printed = None;
-        println!("\n{place}");
-        for line in &block.lines {
-            println!("  {line}");
+    fn printed_by(&self, block: &CodeBlock, at: &Place) -> Result<String> {
+        let folder = match at {
+            Place::Shared | Place::Axis(_) => self.folder,
+            Place::Root | Place::Recordings => root(),
+        };
+        if let Place::Axis(recording) = at {
+            fs::copy(recordings().join(recording), folder.join("axis.csv"))?;
         }
-        match self.printed_by(block, folder) {
-            Ok(text) => self.printed = Some(text),
-            Err(reason) => self.failures.push(format!("{place}: {reason}")),
-        }
-    }
-
-    fn printed_by(&self, block: &CodeBlock, folder: Option<&Path>) -> Result<String, String> {
-        let script = self.scratch.join(".block.sh");
-        let kept = self.scratch.join(".printed");
+        let script = self.folder.join(".block.sh");
         // The release build in front of whatever else is called so.
         let text = format!(
             "set -euo pipefail\nPATH='{}':\"$PATH\"\n{}\n",
             released("").display(),
             block.lines.join("\n")
         );
-        fs::write(&script, text).map_err(|error| format!("{}: {error}", script.display()))?;
-        let out = File::create(&kept).map_err(|error| format!("{}: {error}", kept.display()))?;
-        let err = File::create(self.scratch.join(".said"))
-            .map_err(|error| format!("{}: {error}", kept.display()))?;
+        fs::write(&script, text)?;
         let mut bash = Command::new("bash");
-        bash.arg(&script)
-            .current_dir(folder.unwrap_or(self.scratch))
-            // What the README installs, it installs here.
-            .env("CARGO_INSTALL_ROOT", self.scratch)
-            .stdout(out)
-            .stderr(err);
-        run_for(&mut bash, LIMIT).map_err(|_| {
-            let said = read(&self.scratch.join(".said")).unwrap_or_default();
-            format!("`{}` failed: {}", block.lines.join("; "), said.trim())
-        })?;
-        read(&kept)
+        bash.arg(&script).current_dir(folder);
+        // What the README installs, it installs here.
+        bash.env("CARGO_INSTALL_ROOT", self.folder);
+        let printed = output_for(&mut bash, LIMIT);
+        let (printed, _) = printed.with_context(|| format!("`{}`", block.lines.join("; ")))?;
+        Ok(printed)
     }
 }
 
@@ -238,37 +211,14 @@ fn recordings() -> PathBuf {
 }
 
 /// Whether the step that a block names exists, and every `cargo xtask` command in it.
-fn in_ci(block: &CodeBlock, step: &str, has_step: HasStep) -> Result<(), String> {
-    if !has_step(step) {
-        return Err(format!("`cargo xtask test` has no step `{step}`"));
-    }
-    for line in &block.lines {
-        if let Some(command) = line.strip_prefix("cargo xtask ") {
-            let name = command.split_whitespace().next().unwrap_or_default();
-            if !crate::is_command(name) {
-                return Err(format!("there is no `cargo xtask {name}`"));
-            }
-        }
+fn in_ci(block: &CodeBlock, step: &str, has_step: HasStep) -> Result<()> {
+    let is_step = has_step(step);
+    ensure!(is_step, "`cargo xtask test` has no step `{step}`");
+    let commands = block.lines.iter();
+    for command in commands.filter_map(|line| line.strip_prefix("cargo xtask ")) {
+        let name = command.split_whitespace().next().unwrap_or_default();
+        let is_command = crate::is_command(name);
+        ensure!(is_command, "there is no `cargo xtask {name}`");
     }
     Ok(())
-}
-
-fn read(file: &Path) -> Result<String, String> {
-    fs::read_to_string(file).map_err(|error| format!("cannot read {}: {error}", file.display()))
-}
-
-/// Files below `folder` with this extension, sorted.
-fn files(folder: &Path, extension: &str) -> Result<Vec<PathBuf>, String> {
-    let entries = fs::read_dir(folder)
-        .map_err(|error| format!("cannot read {}: {error}", folder.display()))?;
-    let mut found = Vec::new();
-    for path in entries.flatten().map(|entry| entry.path()) {
-        if path.is_dir() {
-            found.extend(files(&path, extension)?);
-        } else if path.extension().is_some_and(|kind| kind == extension) {
-            found.push(path);
-        }
-    }
-    found.sort();
-    Ok(found)
 }

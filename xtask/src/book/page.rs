@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{files, read};
-use crate::process::root;
+use anyhow::{Context as _, Result, bail, ensure};
+use fs_err as fs;
+
+use crate::files::files;
 
 /// A chapter.
 pub struct Page {
@@ -11,6 +13,8 @@ pub struct Page {
     pub name: String,
     pub file: PathBuf,
     pub text: String,
+    /// Its lines outside of blocks.
+    pub prose: String,
     pub blocks: Vec<CodeBlock>,
 }
 
@@ -25,13 +29,7 @@ pub struct CodeBlock {
 /// What is done with a block; see the module `book`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
-    /// In the shared folder, or in the one given.
-    Run {
-        folder: Option<PathBuf>,
-    },
-    Recordings,
-    /// In the shared folder, beside a copy of that recording, `axis.csv`.
-    Axis(String),
+    Run(Place),
     Ci(String),
     /// Takes minutes; the next block, or a step of CI that it names, runs a part of it.
     Long,
@@ -41,35 +39,43 @@ pub enum Kind {
     Other,
 }
 
+/// Where commands run.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Place {
+    /// In the shared folder.
+    Shared,
+    Root,
+    /// In the root, where there are recordings.
+    Recordings,
+    /// In the shared folder, beside a copy of that recording, `axis.csv`.
+    Axis(String),
+}
+
 impl Kind {
-    fn of(info: &str) -> Result<Self, String> {
+    fn of(info: &str) -> Result<Self> {
         let words: Vec<&str> = info.split([',', ' ']).map(str::trim).collect();
-        let value = |key: &str| words.iter().find_map(|word| word.strip_prefix(key));
-        if let Some(name) = value("file=") {
-            if name.contains(['/', '\\']) {
-                return Err(format!("`{name}` is no plain file name"));
-            }
-            return Ok(Self::File(name.to_string()));
-        }
-        if let Some(recording) = value("axis=") {
-            return Ok(Self::Axis(recording.to_string()));
+        if let Some(name) = words.iter().find_map(|word| word.strip_prefix("file=")) {
+            ensure!(
+                !name.contains(['/', '\\']),
+                "`{name}` is no plain file name"
+            );
+            return Ok(Self::File(name.to_owned()));
         }
         Ok(match words[..] {
-            ["sh"] => Self::Run { folder: None },
-            ["sh", "root"] => Self::Run {
-                folder: Some(root().to_path_buf()),
-            },
-            ["sh", "recordings"] => Self::Recordings,
+            ["sh"] => Self::Run(Place::Shared),
+            ["sh", "root"] => Self::Run(Place::Root),
+            ["sh", "recordings"] => Self::Run(Place::Recordings),
             ["sh", "long"] => Self::Long,
             ["sh", "board"] => Self::Board,
-            ["sh", other] => match other.strip_prefix("ci=") {
-                Some(step) => Self::Ci(step.to_string()),
-                None => return Err(format!("`{info}` is no kind of block")),
+            ["sh", other] => match other.split_once('=') {
+                Some(("axis", recording)) => Self::Run(Place::Axis(recording.to_owned())),
+                Some(("ci", step)) => Self::Ci(step.to_owned()),
+                _ => bail!("`{info}` is no kind of block"),
             },
             ["text", "printed"] => Self::Printed,
             // A command that nothing looks at must not pass for one that is run.
-            ["bash" | "shell" | "console", ..] => {
-                return Err(format!("`{info}`: commands stand in `sh` blocks"));
+            ["sh" | "bash" | "shell" | "console", ..] => {
+                bail!("`{info}`: commands stand in `sh` blocks of a known kind")
             }
             _ => Self::Other,
         })
@@ -77,94 +83,100 @@ impl Kind {
 }
 
 /// All pages in the order of `SUMMARY.md`, which must name every one.
-pub fn all(folder: &Path) -> Result<Vec<Page>, String> {
-    let summary = read(&folder.join("SUMMARY.md"))?;
-    let named: Vec<&str> = summary
-        .split("](")
-        .skip(1)
-        .filter_map(|rest| rest.split(')').next())
-        .collect();
-    let pages = named
-        .iter()
-        .map(|name| page(folder, name))
-        .collect::<Result<Vec<_>, _>>()?;
+pub fn all(folder: &Path) -> Result<Vec<Page>> {
+    let summary = fs::read_to_string(folder.join("SUMMARY.md"))?;
+    let pages = links(&summary).map(|name| Page::read(folder, name));
+    let pages = pages.collect::<Result<Vec<_>>>()?;
     for file in files(folder, "md")? {
-        let known = pages.iter().any(|page| page.file == file);
-        if !known && file.file_name().is_none_or(|name| name != "SUMMARY.md") {
-            return Err(format!("{} is not in SUMMARY.md", file.display()));
-        }
+        let known = file.ends_with("SUMMARY.md") || pages.iter().any(|page| page.file == file);
+        ensure!(known, "{} is not in SUMMARY.md", file.display());
     }
     Ok(pages)
 }
 
-/// One page.
-pub fn page(folder: &Path, name: &str) -> Result<Page, String> {
-    let file = folder.join(name);
-    let text = read(&file)?;
-    let blocks = blocks(&text).map_err(|reason| format!("{name}: {reason}"))?;
-    Ok(Page {
-        name: name.to_string(),
-        file,
-        text,
-        blocks,
-    })
+/// Where a text's links lead.
+pub fn links(text: &str) -> impl Iterator<Item = &str> {
+    let rest = text.split("](").skip(1);
+    rest.filter_map(|rest| rest.split(')').next())
 }
 
-fn blocks(text: &str) -> Result<Vec<CodeBlock>, String> {
-    let mut blocks = Vec::new();
+impl Page {
+    pub fn read(folder: &Path, name: &str) -> Result<Self> {
+        let file = folder.join(name);
+        let text = fs::read_to_string(&file)?;
+        let (prose, blocks) = blocks(&text).with_context(|| name.to_owned())?;
+        Ok(Self {
+            name: name.to_owned(),
+            file,
+            text,
+            prose,
+            blocks,
+        })
+    }
+}
+
+/// The lines outside of fences, and what stands inside of them.
+fn blocks(text: &str) -> Result<(String, Vec<CodeBlock>)> {
+    let (mut prose, mut blocks) = (String::new(), Vec::new());
     let mut open: Option<CodeBlock> = None;
     for (index, line) in text.lines().enumerate() {
         match (line.strip_prefix("```"), open.as_mut()) {
             (Some(""), Some(_)) => blocks.extend(open.take()),
             (Some(info), None) => {
+                let kind = Kind::of(info).with_context(|| format!("line {}", index + 1))?;
                 open = Some(CodeBlock {
-                    kind: Kind::of(info)
-                        .map_err(|reason| format!("line {}: {reason}", index + 1))?,
+                    kind,
                     first: index + 1,
                     lines: Vec::new(),
                 });
             }
-            (_, Some(block)) => block.lines.push(line.to_string()),
-            (None, None) => {}
+            (_, Some(block)) => block.lines.push(line.to_owned()),
+            (None, None) => prose.extend([line, "\n"]),
         }
     }
-    for pair in blocks.windows(2) {
-        let runs = matches!(
-            pair[1].kind,
-            Kind::Run { .. } | Kind::Recordings | Kind::Axis(_)
-        );
-        let first = |block: &CodeBlock| -> String {
-            let line = block.lines.first().map_or("", String::as_str);
-            line.split('#').next().unwrap_or("").trim().to_string()
-        };
-        let part = matches!(pair[1].kind, Kind::Ci(_))
-            || runs && first(&pair[1]).starts_with(&first(&pair[0]));
-        if pair[0].kind == Kind::Long && !part {
-            return Err(format!(
+    if let Some(block) = open {
+        bail!("the block from line {} on has no end", block.first);
+    }
+    for (index, long) in blocks.iter().enumerate() {
+        if long.kind == Kind::Long
+            && !blocks
+                .get(index + 1)
+                .is_some_and(|next| next.is_part_of(long))
+        {
+            bail!(
                 "line {}: the next block must run a part of this long command",
-                pair[0].first
-            ));
+                long.first
+            );
         }
     }
-    if blocks.last().is_some_and(|block| block.kind == Kind::Long) {
-        return Err("nothing runs a part of the last, long command".to_string());
-    }
-    match open {
-        Some(block) => Err(format!("the block from line {} on has no end", block.first)),
-        None => Ok(blocks),
+    Ok((prose, blocks))
+}
+
+impl CodeBlock {
+    /// Whether it runs a part of a long command: a step of CI, or the same command with more arguments.
+    fn is_part_of(&self, long: &Self) -> bool {
+        let command = |block: &Self| {
+            let line = block.lines.first().map_or("", String::as_str);
+            line.split('#').next().unwrap_or("").trim().to_owned()
+        };
+        match self.kind {
+            Kind::Ci(_) => true,
+            Kind::Run(_) => command(self).starts_with(&command(long)),
+            _ => false,
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Kind, blocks};
+    use super::{Kind, Place, blocks};
 
     #[test]
     fn blocks_are_what_their_info_says() {
-        let found =
-            blocks("a\n```sh\nls\n```\n```toml,file=a.toml\nx\ny\n```\n```sh,ci=qemu\n```\n")
-                .unwrap();
-        assert_eq!(found[0].kind, Kind::Run { folder: None });
+        let text = "a\n```sh\nls\n```\n```toml,file=a.toml\nx\ny\n```\n```sh,ci=qemu\n```\nb";
+        let (prose, found) = blocks(text).unwrap();
+        assert_eq!(prose, "a\nb\n");
+        assert_eq!(found[0].kind, Kind::Run(Place::Shared));
         assert_eq!((found[0].first, found[0].lines.len()), (2, 1));
         assert_eq!(found[1].kind, Kind::File("a.toml".to_string()));
         assert_eq!(found[1].lines, ["x", "y"]);

@@ -74,11 +74,11 @@ impl Effect for Backlash {
         false
     }
 
-    fn excludes(&self, shape: &[f64]) -> &'static [&'static dyn Effect] {
+    fn excludes(&self, shape: &[f64]) -> Vec<&'static str> {
         match shape {
             // The spring of its contact is one.
-            [] | [_] => &[],
-            _ => &[&DriveCompliance],
+            [] | [_] => Vec::new(),
+            _ => vec![form::DRIVE_COMPLIANCE.id],
         }
     }
 

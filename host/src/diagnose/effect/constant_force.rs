@@ -1,6 +1,5 @@
 //! `F0`: gravity, tilt, current offset.
 
-use super::coulomb_asymmetry::CoulombAsymmetry;
 use super::lack::both_directions;
 use super::readout::value_of;
 use super::{BARE, Card, Class, Effect, Scene};
@@ -34,13 +33,13 @@ impl Effect for ConstantForce {
         &CARD
     }
 
-    fn equivalents(&self, _: &Signals) -> &'static [&'static dyn Effect] {
-        &[&CoulombAsymmetry]
+    fn equivalents(&self, _: &Signals) -> Vec<&'static str> {
+        vec![form::COULOMB_ASYMMETRY.id]
     }
 
     /// Two names of one force to every fit: together each would have a part of it.
-    fn excludes(&self, _: &[f64]) -> &'static [&'static dyn Effect] {
-        &[&CoulombAsymmetry]
+    fn excludes(&self, _: &[f64]) -> Vec<&'static str> {
+        vec![form::COULOMB_ASYMMETRY.id]
     }
 
     fn columns(&self, _: &[f64], scene: &Scene) -> Vec<Column> {

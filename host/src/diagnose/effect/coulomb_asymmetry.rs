@@ -1,6 +1,5 @@
 //! `m = 1 + a·sgn F`, which is `sgn v` in sliding.
 
-use super::constant_force::ConstantForce;
 use super::lack::both_directions;
 use super::{BARE, Card, Class, Effect, Scene};
 use crate::diagnose::axis::Axis;
@@ -31,13 +30,13 @@ impl Effect for CoulombAsymmetry {
         &CARD
     }
 
-    fn equivalents(&self, _: &Signals) -> &'static [&'static dyn Effect] {
-        &[&ConstantForce]
+    fn equivalents(&self, _: &Signals) -> Vec<&'static str> {
+        vec![form::CONSTANT_FORCE.id]
     }
 
     /// Two names of one force to every fit: together each would have a part of it.
-    fn excludes(&self, _: &[f64]) -> &'static [&'static dyn Effect] {
-        &[&ConstantForce]
+    fn excludes(&self, _: &[f64]) -> Vec<&'static str> {
+        vec![form::CONSTANT_FORCE.id]
     }
 
     fn columns(&self, _: &[f64], scene: &Scene) -> Vec<Column> {

@@ -41,8 +41,8 @@ impl Effect for FrictionalLag {
         &CARD
     }
 
-    fn excludes(&self, _: &[f64]) -> &'static [&'static dyn Effect] {
-        &[&super::stribeck::Stribeck]
+    fn excludes(&self, _: &[f64]) -> Vec<&'static str> {
+        vec![form::STRIBECK.id]
     }
 
     fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {

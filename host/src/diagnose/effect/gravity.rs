@@ -1,6 +1,5 @@
 //! `A·sin(q − q0)` about a rotary axis.
 
-use super::position_spring::PositionSpring;
 use super::wave::amplitude_and_phase;
 use super::{BARE, Card, Class, Effect, Fitted, Part, Scene};
 use crate::diagnose::axis::Axis;
@@ -35,11 +34,11 @@ impl Effect for Gravity {
         &CARD
     }
 
-    fn equivalents(&self, s: &Signals) -> &'static [&'static dyn Effect] {
+    fn equivalents(&self, s: &Signals) -> Vec<&'static str> {
         if is_one_slope(s) {
-            &[&PositionSpring]
+            vec![form::POSITION_SPRING.id]
         } else {
-            &[]
+            Vec::new()
         }
     }
 

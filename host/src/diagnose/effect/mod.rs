@@ -220,10 +220,10 @@ pub trait Effect: Sync {
         (self.card().blurred)(s)
     }
 
-    /// Effects that no fit to this recording separates from it.
-    fn equivalents(&self, s: &Signals) -> &'static [&'static dyn Effect] {
+    /// Ids of effects that no fit to this recording separates from it.
+    fn equivalents(&self, s: &Signals) -> Vec<&'static str> {
         let _ = s;
-        &[]
+        Vec::new()
     }
 
     /// Whether it is no larger than what every recording may have.
@@ -232,11 +232,11 @@ pub trait Effect: Sync {
         false
     }
 
-    /// Effects that are not offered beside it in such a shape, and whose place it takes: what it contains. Where either contains the other,
+    /// Ids of effects that are not offered beside it in such a shape, and whose place it takes: what it contains. Where either contains the other,
     /// each says so.
-    fn excludes(&self, shape: &[f64]) -> &'static [&'static dyn Effect] {
+    fn excludes(&self, shape: &[f64]) -> Vec<&'static str> {
         let _ = shape;
-        &[]
+        Vec::new()
     }
 
     /// Its shape in a model file.

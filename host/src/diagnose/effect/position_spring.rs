@@ -1,6 +1,6 @@
 //! `κ·(x − x0)`, the centre in the middle of the travel or free: of a shape `c` within `c` times [`ASIDE`] of the travel from there.
 
-use super::gravity::{Gravity, is_one_slope};
+use super::gravity::is_one_slope;
 use super::lack::different_ends;
 use super::readout::known;
 use super::{BARE, Card, Class, Effect, Fitted, Scale, Scene};
@@ -35,8 +35,12 @@ impl Effect for PositionSpring {
         &CARD
     }
 
-    fn equivalents(&self, s: &Signals) -> &'static [&'static dyn Effect] {
-        if is_one_slope(s) { &[&Gravity] } else { &[] }
+    fn equivalents(&self, s: &Signals) -> Vec<&'static str> {
+        if is_one_slope(s) {
+            vec![form::GRAVITY.id]
+        } else {
+            Vec::new()
+        }
     }
 
     fn shape_in(&self, _: &Entry, model: &Model) -> Vec<f64> {

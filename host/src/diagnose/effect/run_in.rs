@@ -1,7 +1,7 @@
 //! `m = 1 + a·exp(−s/λ)` in travelled path.
 
 use super::grid::one;
-use super::thermal_drift::{ThermalDrift, goes_one_way};
+use super::thermal_drift::goes_one_way;
 use super::{BARE, Card, Class, Effect, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
@@ -36,11 +36,11 @@ impl Effect for RunIn {
         &CARD
     }
 
-    fn equivalents(&self, s: &Signals) -> &'static [&'static dyn Effect] {
+    fn equivalents(&self, s: &Signals) -> Vec<&'static str> {
         if goes_one_way(s) {
-            &[&ThermalDrift]
+            vec![form::THERMAL_DRIFT.id]
         } else {
-            &[]
+            Vec::new()
         }
     }
 

@@ -43,8 +43,8 @@ impl Effect for Stribeck {
         &CARD
     }
 
-    fn excludes(&self, _: &[f64]) -> &'static [&'static dyn Effect] {
-        &[&super::frictional_lag::FrictionalLag]
+    fn excludes(&self, _: &[f64]) -> Vec<&'static str> {
+        vec![form::FRICTIONAL_LAG.id]
     }
 
     fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {

@@ -2,7 +2,6 @@
 
 use super::grid::one;
 use super::readout::known;
-use super::run_in::RunIn;
 use super::{BARE, Card, Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, mean};
@@ -37,8 +36,12 @@ impl Effect for ThermalDrift {
         &CARD
     }
 
-    fn equivalents(&self, s: &Signals) -> &'static [&'static dyn Effect] {
-        if goes_one_way(s) { &[&RunIn] } else { &[] }
+    fn equivalents(&self, s: &Signals) -> Vec<&'static str> {
+        if goes_one_way(s) {
+            vec![form::RUN_IN.id]
+        } else {
+            Vec::new()
+        }
     }
 
     fn shape_in(&self, entry: &Entry, _: &Model) -> Vec<f64> {
