@@ -262,12 +262,7 @@ fn shares(null: &NullModel, recording: &Recording, model: &Model) -> Option<Vec<
 }
 
 fn level_key(friction: &FrictionModel) -> &'static str {
-    match friction {
-        FrictionModel::Coulomb { .. }
-        | FrictionModel::Dahl { .. }
-        | FrictionModel::BoucWen { .. } => "coulomb_N",
-        _ => "breakaway_N",
-    }
+    friction.level().map_or("breakaway_N", |(key, _)| key)
 }
 
 /// The parameters fitted by least squares: a wrong shape misleads a fit that trusts its noise model.

@@ -1,0 +1,636 @@
+//! The friction models, each described once. Names, keys of model files, exported source, costs, fits and tests are made from these.
+//!
+//! To add a law: a variant of [`FrictionModel`], its arm of `law`, its line of `constructors!` and its parameters in `one_of_each`. To have it
+//! fitted: a variant of [`Family`], in `ALL` and with an arm of `search`.
+
+use super::search::{Search, Span, bounded, stribeck, transition_blocks, weakening};
+use super::{MOST_BLOCKS, Visitor};
+use clap::ValueEnum;
+use preslide::{
+    Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Gms, Hsieh, HsiehParams, Leuven, LeuvenForm,
+    LuGre, ParamError, QuasiStaticGms, Scalar, Sliding, TwoState, Units,
+};
+
+/// A friction model and its parameters, in SI. Fields are named as their keys in a model file, without the unit.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FrictionModel {
+    /// [`Coulomb`]; viscous friction is kept beside every model, see [`crate::model::Model`].
+    Coulomb {
+        /// `F_c` (N).
+        coulomb: f64,
+    },
+    /// [`Dahl`].
+    Dahl {
+        /// `σ0` (N/m).
+        stiffness: f64,
+        /// `F_c` (N).
+        coulomb: f64,
+        /// `n` (-).
+        exponent: f64,
+    },
+    /// [`LuGre`].
+    LuGre {
+        /// `σ0` (N/m).
+        stiffness: f64,
+        /// `σp` (N·s/m).
+        damping: f64,
+        /// `F_s` (N).
+        breakaway: f64,
+        /// Stribeck curve.
+        sliding: Sliding,
+    },
+    /// [`BoucWen`].
+    BoucWen {
+        /// `σ0` (N/m).
+        stiffness: f64,
+        /// `F_c` (N).
+        coulomb: f64,
+        /// `n` (-).
+        exponent: f64,
+        /// `σ` (-).
+        shape: f64,
+    },
+    /// [`ElastoPlastic`].
+    ElastoPlastic {
+        /// `σ0` (N/m).
+        stiffness: f64,
+        /// `σ1` (N·s/m).
+        damping: f64,
+        /// `z_ba` (m).
+        elastic: f64,
+        /// `F_s` (N).
+        breakaway: f64,
+        /// Stribeck curve.
+        sliding: Sliding,
+    },
+    /// [`Leuven`].
+    Leuven {
+        /// State equation.
+        form: LeuvenForm,
+        /// `F_s` (N).
+        breakaway: f64,
+        /// 1…[`MOST_BLOCKS`] blocks.
+        blocks: Vec<Block>,
+        /// `n` (-).
+        exponent: f64,
+        /// `σ1` (N·s/m).
+        damping: f64,
+        /// Stribeck curve.
+        sliding: Sliding,
+    },
+    /// [`TwoState`].
+    TwoState {
+        /// `s` (m).
+        presliding: f64,
+        /// `F_s` (N).
+        breakaway: f64,
+        /// Stribeck curve and lag.
+        sliding: Sliding,
+    },
+    /// [`Hsieh`].
+    Hsieh(HsiehParams),
+    /// [`QuasiStaticGms`], or [`Gms`] where `sliding` is given.
+    Gms {
+        /// `F_s` (N).
+        breakaway: f64,
+        /// 1…[`MOST_BLOCKS`] blocks.
+        blocks: Vec<Block>,
+        /// Stribeck curve and lag; `None` for the quasi-static law.
+        sliding: Option<Sliding>,
+    },
+}
+
+/// The scalar keys that belong to one law or another, on a linear axis, handed to a macro.
+macro_rules! with_keys {
+    ($do:ident) => {
+        $do! {
+            breakaway_N coulomb_N stribeck_velocity_m_s stribeck_exponent attraction_N_per_s stiffness_N_per_m exponent damping_N_s_per_m
+            k1_N_per_m k2_N_per_m beta_per_m creep_per_s hardening hardening_exponent shape elastic_m presliding_m
+        }
+    };
+}
+pub(crate) use with_keys;
+
+/// A law and what it is made of.
+#[derive(Default)]
+pub(crate) struct Law<'a> {
+    /// Its name in model files; a row of measured costs begins with it.
+    pub(crate) kind: &'static str,
+    /// Its name in tables.
+    pub(crate) name: String,
+    /// Its parameters by their keys on a linear axis, but for those below; a file may leave damping out.
+    pub(crate) scalars: Vec<(&'static str, &'a mut f64)>,
+    /// Its blocks, where it has any.
+    pub(crate) blocks: Option<&'a mut Vec<Block>>,
+    /// Its Stribeck curve, where it has one.
+    pub(crate) curve: Curve<'a>,
+    /// A length over which the force changes (m), where a displacement is searched for.
+    pub(crate) length: f64,
+}
+
+/// Whether a law slides along a Stribeck curve.
+#[derive(Default)]
+pub(crate) enum Curve<'a> {
+    /// It has none.
+    #[default]
+    None,
+    /// It has one, though it may be flat.
+    Always(&'a mut Sliding),
+    /// It is another law without.
+    Optional(&'a mut Option<Sliding>),
+}
+
+impl<'a> Curve<'a> {
+    /// The curve, where there is one.
+    pub(crate) fn given(self) -> Option<&'a mut Sliding> {
+        match self {
+            Self::None => None,
+            Self::Always(sliding) => Some(sliding),
+            Self::Optional(sliding) => sliding.as_mut(),
+        }
+    }
+}
+
+impl FrictionModel {
+    /// The law that it is of.
+    pub(crate) fn law(&mut self) -> Law<'_> {
+        match self {
+            Self::Coulomb { coulomb } => Law {
+                kind: "coulomb",
+                name: "Coulomb + viscous".to_owned(),
+                scalars: vec![("coulomb_N", coulomb)],
+                ..Law::default()
+            },
+            Self::Dahl {
+                stiffness,
+                coulomb,
+                exponent,
+            } => Law {
+                kind: "dahl",
+                name: ["Dahl", "Dahl, n = 1"][usize::from(*exponent == 1.0)].to_owned(),
+                length: *coulomb / *stiffness,
+                scalars: vec![
+                    ("stiffness_N_per_m", stiffness),
+                    ("coulomb_N", coulomb),
+                    ("exponent", exponent),
+                ],
+                ..Law::default()
+            },
+            Self::LuGre {
+                stiffness,
+                damping,
+                breakaway,
+                sliding,
+            } => Law {
+                kind: "lugre",
+                name: "LuGre".to_owned(),
+                length: *breakaway / *stiffness,
+                scalars: vec![
+                    ("stiffness_N_per_m", stiffness),
+                    ("damping_N_s_per_m", damping),
+                    ("breakaway_N", breakaway),
+                ],
+                curve: Curve::Always(sliding),
+                ..Law::default()
+            },
+            Self::BoucWen {
+                stiffness,
+                coulomb,
+                exponent,
+                shape,
+            } => Law {
+                kind: "bouc_wen",
+                name: "Bouc-Wen".to_owned(),
+                length: *coulomb / *stiffness,
+                scalars: vec![
+                    ("stiffness_N_per_m", stiffness),
+                    ("coulomb_N", coulomb),
+                    ("exponent", exponent),
+                    ("shape", shape),
+                ],
+                ..Law::default()
+            },
+            Self::ElastoPlastic {
+                stiffness,
+                damping,
+                elastic,
+                breakaway,
+                sliding,
+            } => Law {
+                kind: "elasto_plastic",
+                name: "elasto-plastic".to_owned(),
+                length: *breakaway / *stiffness,
+                scalars: vec![
+                    ("stiffness_N_per_m", stiffness),
+                    ("damping_N_s_per_m", damping),
+                    ("elastic_m", elastic),
+                    ("breakaway_N", breakaway),
+                ],
+                curve: Curve::Always(sliding),
+                ..Law::default()
+            },
+            Self::Leuven {
+                form,
+                breakaway,
+                blocks,
+                exponent,
+                damping,
+                sliding,
+            } => {
+                let (kind, name) = match form {
+                    LeuvenForm::Modified => ("leuven", "Leuven"),
+                    LeuvenForm::Original => ("leuven_original", "Leuven, original"),
+                };
+                let yields = blocks.iter().map(|b| b.yield_displacement(*breakaway));
+                Law {
+                    kind,
+                    name: name.to_owned(),
+                    length: yields.fold(f64::INFINITY, f64::min),
+                    scalars: vec![
+                        ("breakaway_N", breakaway),
+                        ("exponent", exponent),
+                        ("damping_N_s_per_m", damping),
+                    ],
+                    blocks: Some(blocks),
+                    curve: Curve::Always(sliding),
+                }
+            }
+            Self::TwoState {
+                presliding,
+                breakaway,
+                sliding,
+            } => Law {
+                kind: "two_state",
+                name: "two-state".to_owned(),
+                length: *presliding,
+                scalars: vec![("presliding_m", presliding), ("breakaway_N", breakaway)],
+                curve: Curve::Always(sliding),
+                ..Law::default()
+            },
+            Self::Hsieh(p) => Law {
+                kind: "hsieh",
+                name: "Hsieh".to_owned(),
+                length: 1.0 / p.beta,
+                scalars: vec![
+                    ("k1_N_per_m", &mut p.k1),
+                    ("k2_N_per_m", &mut p.k2),
+                    ("beta_per_m", &mut p.beta),
+                    ("damping_N_s_per_m", &mut p.viscous),
+                    ("creep_per_s", &mut p.creep),
+                    ("hardening", &mut p.hardening),
+                    ("hardening_exponent", &mut p.hardening_exponent),
+                ],
+                ..Law::default()
+            },
+            Self::Gms {
+                breakaway,
+                blocks,
+                sliding,
+            } => Law {
+                kind: "gms",
+                name: format!("GMS, N = {}", blocks.len()),
+                scalars: vec![("breakaway_N", breakaway)],
+                blocks: Some(blocks),
+                curve: Curve::Optional(sliding),
+                ..Law::default()
+            },
+        }
+    }
+
+    /// The blocks of the laws that are made of them; none for the others.
+    pub fn blocks(&self) -> &[Block] {
+        match self {
+            Self::Gms { blocks, .. } | Self::Leuven { blocks, .. } => blocks,
+            _ => &[],
+        }
+    }
+
+    /// One model of every law, of forces in units of `f` newtons and lengths in units of `l` metres.
+    pub fn one_of_each(f: f64, l: f64) -> Vec<Self> {
+        let (stiffness, damping, breakaway) = (8.0 * f / l, 0.02 * f / l, f);
+        let blocks = || {
+            [(5.0, 0.5), (2.0, 0.3), (0.5, 0.2)]
+                .map(|(k, weight)| Block {
+                    stiffness: k * f / l,
+                    weight,
+                })
+                .to_vec()
+        };
+        let sliding = Sliding {
+            coulomb: 0.8 * f,
+            stribeck_velocity: 3.0 * l,
+            stribeck_exponent: 2.0,
+            attraction: 50.0 * f,
+        };
+        let leuven = |form| Self::Leuven {
+            form,
+            breakaway,
+            blocks: blocks(),
+            exponent: 1.5,
+            damping,
+            sliding,
+        };
+        let gms = |sliding| Self::Gms {
+            breakaway,
+            blocks: blocks(),
+            sliding,
+        };
+        vec![
+            Self::Coulomb { coulomb: f },
+            Self::Dahl {
+                stiffness,
+                coulomb: f,
+                exponent: 1.3,
+            },
+            Self::BoucWen {
+                stiffness,
+                coulomb: f,
+                exponent: 1.2,
+                shape: 0.7,
+            },
+            Self::LuGre {
+                stiffness,
+                damping,
+                breakaway,
+                sliding,
+            },
+            Self::ElastoPlastic {
+                stiffness,
+                damping,
+                elastic: 0.04 * l,
+                breakaway,
+                sliding,
+            },
+            leuven(LeuvenForm::Modified),
+            leuven(LeuvenForm::Original),
+            Self::TwoState {
+                presliding: 0.2 * l,
+                breakaway,
+                sliding,
+            },
+            Self::Hsieh(HsiehParams {
+                k1: 0.2 * f / l,
+                k2: 6.0 * f / l,
+                beta: 7.0 / l,
+                viscous: 0.0,
+                creep: 5.0,
+                hardening: 40.0 * f * f / l,
+                hardening_exponent: 2.0,
+            }),
+            gms(None),
+            gms(Some(sliding)),
+        ]
+    }
+}
+
+/// The library's constructors, each told once: called here, and written by `export`. Arguments are fields, but for the units, which are last.
+macro_rules! constructors {
+    ($sample_time:ident; $($model:pat => $law:ident $(of $blocks:ident)? ($($argument:expr),*);)*) => {
+        impl FrictionModel {
+            /// Hands the library's model, in `units` and for ticks of `sample_time` (s), to `visitor`.
+            ///
+            /// # Errors
+            /// [`ParamError`] where the library refuses a parameter.
+            pub fn visit_in<S: Scalar + Send + 'static, V: Visitor<S>>(
+                &self,
+                $sample_time: f64,
+                units: Units,
+                visitor: V,
+            ) -> Result<V::Outcome, ParamError> {
+                match *self {
+                    $($model => constructors!(@ $($blocks)?; array, visitor, $law, S, ($($argument),*), units),)*
+                }
+            }
+
+            /// The library's type, and the names of what its constructor takes before the units.
+            #[allow(unused_variables)] // that a name is bound is what makes it an argument
+            pub fn constructor(&self) -> (&'static str, &'static [&'static str]) {
+                match *self {
+                    $($model => (stringify!($law), &[$(stringify!($argument)),*]),)*
+                }
+            }
+        }
+    };
+    (@; $array:ident, $visitor:ident, $law:ident, $s:ident, ($($argument:expr),*), $units:ident) => {
+        Ok($visitor.visit($law::<$s>::try_new($($argument,)* $units)?))
+    };
+    (@ $blocks:ident; $array:ident, $visitor:ident, $law:ident, $s:ident, $arguments:tt, $units:ident) => {
+        constructors!(@ $blocks; $visitor, $law, $s, $arguments, $units, [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])
+    };
+    (@ $blocks:ident; $visitor:ident, $law:ident, $s:ident, $arguments:tt, $units:ident, [$($n:literal)*]) => {
+        match $blocks.len() {
+            $($n => {
+                let mut array = [Block { stiffness: 0.0, weight: 0.0 }; $n];
+                array.copy_from_slice($blocks);
+                let $blocks = &array;
+                constructors!(@call $visitor, $law, $s, $arguments, $units)
+            })*
+            other => Err(ParamError::new("number of blocks", other as f64, preslide::Bound::AtMost(MOST_BLOCKS as f64))),
+        }
+    };
+    (@call $visitor:ident, $law:ident, $s:ident, ($($argument:expr),*), $units:ident) => {
+        Ok($visitor.visit($law::<_, $s>::try_new($($argument,)* $units)?))
+    };
+}
+
+constructors! {
+    sample_time;
+    Self::Coulomb { coulomb } => Coulomb(coulomb, 0.0);
+    Self::Dahl { stiffness, coulomb, exponent } => Dahl(stiffness, coulomb, exponent);
+    Self::LuGre { stiffness, damping, breakaway, sliding } => LuGre(stiffness, damping, breakaway, sliding);
+    Self::BoucWen { stiffness, coulomb, exponent, shape } => BoucWen(stiffness, coulomb, exponent, shape);
+    Self::ElastoPlastic { stiffness, damping, elastic, breakaway, sliding } =>
+        ElastoPlastic(stiffness, damping, elastic, breakaway, sliding);
+    Self::Leuven { form, breakaway, ref blocks, exponent, damping, sliding } =>
+        Leuven of blocks(form, blocks, breakaway, exponent, damping, sliding);
+    Self::TwoState { presliding, breakaway, sliding } => TwoState(presliding, breakaway, sliding, sample_time);
+    Self::Hsieh(ref params) => Hsieh(params, sample_time);
+    Self::Gms { breakaway, ref blocks, sliding: None } => QuasiStaticGms of blocks(blocks, breakaway);
+    Self::Gms { breakaway, ref blocks, sliding: Some(sliding) } => Gms of blocks(blocks, breakaway, sliding, sample_time);
+}
+
+/// A friction model that is fitted by a nonlinear optimiser.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum Family {
+    /// Dahl, with its exponent: pre-sliding without a memory of nested loops.
+    Dahl,
+    /// Dahl with n = 1, the usual choice in controllers.
+    DahlLinear,
+    /// LuGre: bristles with a Stribeck curve.
+    #[value(name = "lugre")]
+    LuGre,
+    /// Bouc-Wen: hysteresis as in structures.
+    BoucWen,
+    /// The elasto-plastic model: LuGre without drift below breakaway.
+    ElastoPlastic,
+    /// Leuven, in the form without the jump, with a stretched exponential as transition curve.
+    Leuven,
+    /// The two-state model: a branch from the last reversal, and a level that lags.
+    TwoState,
+    /// Hsieh and Pan: a nonlinear spring with memory in series with a plastic module.
+    Hsieh,
+}
+
+impl Family {
+    /// All of them, in the order of tables.
+    pub const ALL: [Family; 8] = [
+        Family::Dahl,
+        Family::DahlLinear,
+        Family::BoucWen,
+        Family::LuGre,
+        Family::ElastoPlastic,
+        Family::Leuven,
+        Family::TwoState,
+        Family::Hsieh,
+    ];
+
+    /// How it is searched for.
+    pub(super) fn search(self) -> Search {
+        match self {
+            Family::Dahl => Search {
+                bounds: |span| vec![span.length("F_c/sigma_0", 1.0), bounded("n", 0.1, 5.0)],
+                model: |place, coulomb, _| {
+                    let [length, exponent] = place.try_into().ok()?;
+                    Some(FrictionModel::Dahl {
+                        stiffness: coulomb / length,
+                        coulomb,
+                        exponent,
+                    })
+                },
+            },
+            Family::DahlLinear => Search {
+                bounds: |span| vec![span.length("F_c/sigma_0", 1.0)],
+                model: |place, coulomb, _| {
+                    let [length] = place.try_into().ok()?;
+                    Some(FrictionModel::Dahl {
+                        stiffness: coulomb / length,
+                        coulomb,
+                        exponent: 1.0,
+                    })
+                },
+            },
+            Family::LuGre => Search {
+                bounds: |span| {
+                    vec![
+                        span.length("F_s/sigma_0", 1.0),
+                        weakening(),
+                        span.stribeck_velocity(),
+                    ]
+                },
+                model: |place, breakaway, damping| {
+                    let [length, weakening, velocity] = place.try_into().ok()?;
+                    Some(FrictionModel::LuGre {
+                        stiffness: breakaway / length,
+                        damping,
+                        breakaway,
+                        sliding: stribeck(breakaway, weakening, velocity),
+                    })
+                },
+            },
+            Family::BoucWen => Search {
+                bounds: |span| {
+                    vec![
+                        span.length("F_c/sigma_0", 1.0),
+                        bounded("n", 1.0, 10.0),
+                        bounded("sigma", 0.5, 2.0),
+                    ]
+                },
+                model: |place, coulomb, _| {
+                    let [length, exponent, shape]: [f64; 3] = place.try_into().ok()?;
+                    Some(FrictionModel::BoucWen {
+                        stiffness: coulomb / length,
+                        coulomb,
+                        exponent: exponent.max(1.0),
+                        shape: shape.clamp(0.5, 2.0),
+                    })
+                },
+            },
+            Family::ElastoPlastic => Search {
+                bounds: |span| {
+                    vec![
+                        span.length("F_s/sigma_0", 1.0),
+                        bounded("z_ba*sigma_0/F_c", 0.01, 0.9),
+                        weakening(),
+                        span.stribeck_velocity(),
+                    ]
+                },
+                model: |place, breakaway, damping| {
+                    let [length, elastic, weakening, velocity]: [f64; 4] = place.try_into().ok()?;
+                    let weakening = weakening.min(1.0);
+                    Some(FrictionModel::ElastoPlastic {
+                        stiffness: breakaway / length,
+                        damping,
+                        // Not to exceed the library's bound by rounding.
+                        elastic: elastic.min(0.9 - 1e-9) * weakening * length,
+                        breakaway,
+                        sliding: stribeck(breakaway, weakening, velocity),
+                    })
+                },
+            },
+            Family::Leuven => Search {
+                bounds: |span| {
+                    vec![
+                        span.length("transition length", 1.0),
+                        // 1 is an exponential; below it the curve is the steeper at its start.
+                        bounded("transition exponent", 0.3, 1.0),
+                        bounded("n", 1.0, 20.0),
+                    ]
+                },
+                model: |place, breakaway, damping| {
+                    let [length, stretch, exponent]: [f64; 3] = place.try_into().ok()?;
+                    Some(FrictionModel::Leuven {
+                        form: LeuvenForm::Modified,
+                        breakaway,
+                        blocks: transition_blocks(length, stretch.min(1.0), breakaway),
+                        exponent: exponent.clamp(1.0, 20.0),
+                        damping,
+                        sliding: Sliding::none(breakaway),
+                    })
+                },
+            },
+            Family::TwoState => Search {
+                bounds: |span| {
+                    vec![
+                        span.length("pre-sliding distance", 3.0),
+                        weakening(),
+                        span.stribeck_velocity(),
+                    ]
+                },
+                model: |place, breakaway, _| {
+                    let [presliding, weakening, velocity] = place.try_into().ok()?;
+                    Some(FrictionModel::TwoState {
+                        presliding,
+                        breakaway,
+                        sliding: stribeck(breakaway, weakening, velocity),
+                    })
+                },
+            },
+            Family::Hsieh => Search {
+                bounds: |span: &Span| {
+                    vec![
+                        span.length("1/beta", 1.0),
+                        bounded("k_2s/(beta*k_1s)", 0.1 * span.longest, 1e3 * span.longest),
+                        bounded("rho", 0.01 / span.duration, 3.0 / span.sample_time),
+                        bounded("1/psi", 1e-3 * span.shortest, 10.0 * span.longest),
+                        bounded("a", 0.5, 10.0),
+                    ]
+                },
+                // The hardening scales with the amplitude as `ψ = ψ'·amplitudeᵃ`.
+                model: |place, amplitude: f64, damping| {
+                    let [length, linear_length, creep, softness, exponent] =
+                        place.try_into().ok()?;
+                    Some(FrictionModel::Hsieh(HsiehParams {
+                        k1: amplitude / linear_length,
+                        k2: amplitude / length,
+                        beta: 1.0 / length,
+                        viscous: damping,
+                        creep,
+                        hardening: amplitude.powf(exponent) / softness,
+                        hardening_exponent: exponent,
+                    }))
+                },
+            },
+        }
+    }
+}
