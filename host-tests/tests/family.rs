@@ -1,165 +1,43 @@
-//! The models that the paper only names: against equations integrated independently, and by what the literature says
-//! of each.
+//! The models that the paper only names, by what the literature says of each.
 //!
 //! `cargo test -p preslide-host-tests --test all -- family:: --nocapture` prints the figures.
 
-use crate::accuracy::{bounds, compare};
+use crate::laws::{self, built};
 use crate::properties::in_steps;
 use preslide::Bound::{AtLeast, AtMost};
 use preslide::{
     BoucWen, Dahl, ElastoPlastic, Friction, Leuven, LeuvenForm, Scalar, Sliding, TwoState, Units,
 };
-use preslide_host_tests::path::{COUNT, SAMPLE_TIME, motion, random_reversals};
-use preslide_host_tests::reference::{self, Stribeck};
+use preslide_host_tests::path::{COUNT, SAMPLE_TIME, motion};
 use preslide_host_tests::refusal::{not_negative, positive, refused};
-use preslide_host_tests::table3::{BREAKAWAY, blocks, column, falling};
+use preslide_host_tests::table3::{BREAKAWAY, blocks, falling};
 use proptest::prelude::*;
 
-const TICKS: usize = 20_000;
-const SEED: u64 = 1227;
 const STIFFNESS: f64 = 195_000.0;
 const ELASTIC: f64 = 1.5e-6;
 const DISTANCE: f64 = 35e-6;
-pub(crate) const FORMS: [LeuvenForm; 2] = [LeuvenForm::Original, LeuvenForm::Modified];
+const FORMS: [LeuvenForm; 2] = [LeuvenForm::Original, LeuvenForm::Modified];
 
-pub(crate) fn weakening() -> Sliding {
+fn weakening() -> Sliding {
     falling(0.8 * BREAKAWAY, 2_000.0)
 }
 
-fn stribeck() -> Stribeck {
-    Stribeck {
-        breakaway: BREAKAWAY,
-        coulomb: 0.8 * BREAKAWAY,
-        velocity: 1e-3,
-        exponent: 2.0,
-    }
-}
-
-pub(crate) fn bouc_wen<S: Scalar>(exponent: f64, shape: f64) -> BoucWen<S> {
+fn bouc_wen<S: Scalar>(exponent: f64, shape: f64) -> BoucWen<S> {
     BoucWen::try_new(320_000.0, BREAKAWAY, exponent, shape, Units::SI).expect("valid")
 }
 
-pub(crate) fn elasto_plastic<S: Scalar>(damping: f64, sliding: Sliding) -> ElastoPlastic<S> {
+fn elasto_plastic<S: Scalar>(damping: f64, sliding: Sliding) -> ElastoPlastic<S> {
     ElastoPlastic::try_new(STIFFNESS, damping, ELASTIC, BREAKAWAY, sliding, Units::SI)
         .expect("valid")
 }
 
-pub(crate) fn leuven<S: Scalar>(form: LeuvenForm, damping: f64, sliding: Sliding) -> Leuven<6, S> {
+fn leuven<S: Scalar>(form: LeuvenForm, damping: f64, sliding: Sliding) -> Leuven<6, S> {
     let blocks = blocks::<6>();
     Leuven::try_new(form, &blocks, BREAKAWAY, 2.0, damping, sliding, Units::SI).expect("valid")
 }
 
-pub(crate) fn two_state<S: Scalar>(sliding: Sliding) -> TwoState<S> {
+fn two_state<S: Scalar>(sliding: Sliding) -> TwoState<S> {
     TwoState::try_new(DISTANCE, BREAKAWAY, sliding, SAMPLE_TIME, Units::SI).expect("valid")
-}
-
-/// Counts in a tick and a velocity (m/s): standstill or a hundred Stribeck velocities, where the table needs no
-/// interpolation, changing every few ticks.
-fn path() -> Vec<(i32, f64)> {
-    random_reversals(SEED, TICKS, 4_000.0, 200.0)
-        .into_iter()
-        .enumerate()
-        .map(|(i, counts)| {
-            let speed = if i / 7 % 3 == 0 { 0.1 } else { 0.0 };
-            (counts, speed * f64::from(counts.signum()))
-        })
-        .collect()
-}
-
-/// Along [`path`], of an equation's forces (N) of counts and speed: largest, RMS and mean error in `f32` and in `f64` within these bounds.
-fn check<A: Friction<Scalar = f32>, B: Friction<Scalar = f64>>(
-    what: &str,
-    (single, double): (&A, &B),
-    mut equation: impl FnMut(i32, f64) -> f64,
-    within: [[f64; 3]; 2],
-) {
-    let path = path();
-    let forces: Vec<f64> = path
-        .iter()
-        .map(|&(counts, v)| equation(counts, v))
-        .collect();
-    let of = |number, [max, rms, bias]: [f64; 3]| bounds(number, max, rms, bias);
-    let [coarse, fine] = [of("f32", within[0]), of("f64", within[1])];
-    compare(what, &coarse, (single, Units::SI), &path, &forces);
-    compare(what, &fine, (double, Units::SI), &path, &forces);
-}
-
-#[test]
-fn bouc_wen_is_within_bounds_of_its_equation() {
-    // The power's kink at `u = 0` costs the fourth-order step its order, most for n = 1 with another slope beyond it.
-    for (exponent, shape, max, rms) in [
-        (1.0, 1.0, 2e-7, 2e-8),
-        (1.0, 0.5, 1.5e-4, 5e-6),
-        (1.6, 0.75, 1.2e-5, 1e-6),
-        (3.0, 2.0, 6e-5, 6e-6),
-    ] {
-        let mut equation = reference::BoucWen::new(320_000.0, BREAKAWAY, exponent, shape);
-        let models = (&bouc_wen(exponent, shape), &bouc_wen(exponent, shape));
-        let what = format!("Bouc-Wen, n = {exponent}, sigma = {shape}");
-        let bounds = [[max + 5e-6, rms + 1.5e-6, 6e-7], [max, rms, 2e-7]];
-        let equation = |counts: i32, _| equation.advance(f64::from(counts) * COUNT);
-        check(&what, models, equation, bounds);
-    }
-}
-
-#[test]
-fn elasto_plastic_is_within_bounds_of_its_equation() {
-    for damping in [0.0, 1.0] {
-        let mut equation = reference::ElastoPlastic {
-            stiffness: STIFFNESS,
-            damping,
-            elastic: ELASTIC,
-            stribeck: stribeck(),
-            sample_time: SAMPLE_TIME,
-            deflection: 0.0,
-        };
-        let models = (
-            &elasto_plastic(damping, weakening()),
-            &elasto_plastic(damping, weakening()),
-        );
-        let what = format!("elasto-plastic, sigma_1 = {damping}");
-        let bounds = [[5e-6, 2e-6, 7e-7], [1.2e-6, 1.2e-7, 2e-8]];
-        let equation = |counts, v| equation.advance(f64::from(counts) * COUNT, v);
-        check(&what, models, equation, bounds);
-    }
-}
-
-#[test]
-fn leuven_is_within_bounds_of_its_equation() {
-    let sliding = Sliding::none(BREAKAWAY);
-    for form in FORMS {
-        let original = form == LeuvenForm::Original;
-        for damping in [0.0, 0.5] {
-            let mut equation = reference::Leuven::new(column(6), BREAKAWAY, 2.0, damping, original);
-            let models = (
-                &leuven(form, damping, sliding),
-                &leuven(form, damping, sliding),
-            );
-            let what = format!("Leuven, {form:?}, sigma_1 = {damping}");
-            let bounds = [[6e-6, 6e-7, 3e-7], [6e-6, 2e-7, 1.5e-8]];
-            let equation = |counts, v| equation.advance(f64::from(counts) * COUNT, v);
-            check(&what, models, equation, bounds);
-        }
-    }
-}
-
-#[test]
-fn two_state_is_within_bounds_of_its_equation() {
-    let mut equation = reference::TwoState::new(
-        DISTANCE,
-        stribeck(),
-        weakening().attraction,
-        SAMPLE_TIME,
-        COUNT,
-    );
-    let models = (&two_state(weakening()), &two_state(weakening()));
-    let bounds = [[8e-6, 1.2e-6, 2e-7], [1.5e-14, 3e-15, 3e-16]];
-    check(
-        "two-state",
-        models,
-        |counts, v| equation.advance(counts, v),
-        bounds,
-    );
 }
 
 /// Forces along displacements, at the velocity `speed` (m/s) in their direction.
@@ -187,7 +65,7 @@ fn loop_error<M: Friction<Scalar = f64>>(model: &M, out: f64, back: f64) -> f64 
 #[test]
 fn bouc_wen_with_the_exponent_1_and_shape_1_is_dahls_model() {
     let dahl = Dahl::<f64>::try_new(320_000.0, BREAKAWAY, 1.0, Units::SI).expect("valid");
-    let path: Vec<f64> = path()
+    let path: Vec<f64> = laws::jumping()
         .iter()
         .map(|tick| f64::from(tick.0) * COUNT)
         .collect();
@@ -349,22 +227,17 @@ proptest! {
         legs in prop::collection::vec(1e-8..5e-5_f64, 1..10),
         steps in 2..100_usize,
     ) {
-        fn check<M: Friction<Scalar = f64>>(model: &M, legs: &[f64], steps: usize, within: f64) -> Result<(), TestCaseError> {
-            let coarse = forces(model, legs, 0.0);
-            let fine = forces(model, &in_steps(legs, steps), 5.0);
+        let legs: Vec<f64> = legs.iter().enumerate().map(|(i, leg)| if i % 2 == 0 { *leg } else { -leg }).collect();
+        for law in laws::all() {
+            let model = &law.models[0];
+            let still = model.along(Sliding::none);
+            let model = built(still.as_ref().unwrap_or(model), Units::SI).expect("valid");
+            let coarse = forces(&model, &legs, 0.0);
+            let fine = forces(&model, &in_steps(&legs, steps), 5.0);
             for (i, force) in coarse.iter().enumerate() {
                 let other = fine[steps * (i + 1) - 1];
-                prop_assert!((force - other).abs() < within, "leg {i}: {force} {other}");
+                prop_assert!((force - other).abs() < law.steps, "{}, leg {i}: {force} {other}", law.name);
             }
-            Ok(())
         }
-        let legs: Vec<f64> = legs.iter().enumerate().map(|(i, leg)| if i % 2 == 0 { *leg } else { -leg }).collect();
-        let none = Sliding::none(BREAKAWAY);
-        check(&bouc_wen(1.6, 0.75), &legs, steps, 2e-5)?;
-        check(&elasto_plastic(0.0, none), &legs, steps, 5e-6)?;
-        for form in FORMS {
-            check(&leuven(form, 0.0, none), &legs, steps, 1e-4)?;
-        }
-        check(&two_state(none), &legs, steps, 1e-12)?;
     }
 }

@@ -3,12 +3,13 @@
 //! To add a law: a variant of [`FrictionModel`], its arm of `law`, its line of `constructors!` and its parameters in `one_of_each`. To have it
 //! fitted: a variant of [`Family`], in `ALL` and with an arm of `search`.
 
+use super::law::{Curve, Law, constructors};
 use super::search::{Search, Span, bounded, stribeck, transition_blocks, weakening};
 use super::{MOST_BLOCKS, Visitor};
 use clap::ValueEnum;
 use preslide::{
-    Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Gms, Hsieh, HsiehParams, Leuven, LeuvenForm,
-    LuGre, ParamError, QuasiStaticGms, Scalar, Sliding, TwoState, Units,
+    Block, BoucWen, Bound, Coulomb, Dahl, ElastoPlastic, Gms, Hsieh, HsiehParams, Leuven,
+    LeuvenForm, LuGre, ParamError, QuasiStaticGms, Scalar, Sliding, TwoState, Units,
 };
 
 /// A friction model and its parameters, in SI. Fields are named as their keys in a model file, without the unit.
@@ -110,46 +111,6 @@ macro_rules! with_keys {
     };
 }
 pub(crate) use with_keys;
-
-/// A law and what it is made of.
-#[derive(Default)]
-pub(crate) struct Law<'a> {
-    /// Its name in model files; a row of measured costs begins with it.
-    pub(crate) kind: &'static str,
-    /// Its name in tables.
-    pub(crate) name: String,
-    /// Its parameters by their keys on a linear axis, but for those below; a file may leave damping out.
-    pub(crate) scalars: Vec<(&'static str, &'a mut f64)>,
-    /// Its blocks, where it has any.
-    pub(crate) blocks: Option<&'a mut Vec<Block>>,
-    /// Its Stribeck curve, where it has one.
-    pub(crate) curve: Curve<'a>,
-    /// A length over which the force changes (m), where a displacement is searched for.
-    pub(crate) length: f64,
-}
-
-/// Whether a law slides along a Stribeck curve.
-#[derive(Default)]
-pub(crate) enum Curve<'a> {
-    /// It has none.
-    #[default]
-    None,
-    /// It has one, though it may be flat.
-    Always(&'a mut Sliding),
-    /// It is another law without.
-    Optional(&'a mut Option<Sliding>),
-}
-
-impl<'a> Curve<'a> {
-    /// The curve, where there is one.
-    pub(crate) fn given(self) -> Option<&'a mut Sliding> {
-        match self {
-            Self::None => None,
-            Self::Always(sliding) => Some(sliding),
-            Self::Optional(sliding) => sliding.as_mut(),
-        }
-    }
-}
 
 impl FrictionModel {
     /// The law that it is of.
@@ -383,56 +344,7 @@ impl FrictionModel {
     }
 }
 
-/// The library's constructors, each told once: called here, and written by `export`. Arguments are fields, but for the units, which are last.
-macro_rules! constructors {
-    ($sample_time:ident; $($model:pat => $law:ident $(of $blocks:ident)? ($($argument:expr),*);)*) => {
-        impl FrictionModel {
-            /// Hands the library's model, in `units` and for ticks of `sample_time` (s), to `visitor`.
-            ///
-            /// # Errors
-            /// [`ParamError`] where the library refuses a parameter.
-            pub fn visit_in<S: Scalar + Send + 'static, V: Visitor<S>>(
-                &self,
-                $sample_time: f64,
-                units: Units,
-                visitor: V,
-            ) -> Result<V::Outcome, ParamError> {
-                match *self {
-                    $($model => constructors!(@ $($blocks)?; array, visitor, $law, S, ($($argument),*), units),)*
-                }
-            }
-
-            /// The library's type, and the names of what its constructor takes before the units.
-            #[allow(unused_variables)] // that a name is bound is what makes it an argument
-            pub fn constructor(&self) -> (&'static str, &'static [&'static str]) {
-                match *self {
-                    $($model => (stringify!($law), &[$(stringify!($argument)),*]),)*
-                }
-            }
-        }
-    };
-    (@; $array:ident, $visitor:ident, $law:ident, $s:ident, ($($argument:expr),*), $units:ident) => {
-        Ok($visitor.visit($law::<$s>::try_new($($argument,)* $units)?))
-    };
-    (@ $blocks:ident; $array:ident, $visitor:ident, $law:ident, $s:ident, $arguments:tt, $units:ident) => {
-        constructors!(@ $blocks; $visitor, $law, $s, $arguments, $units, [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])
-    };
-    (@ $blocks:ident; $visitor:ident, $law:ident, $s:ident, $arguments:tt, $units:ident, [$($n:literal)*]) => {
-        match $blocks.len() {
-            $($n => {
-                let mut array = [Block { stiffness: 0.0, weight: 0.0 }; $n];
-                array.copy_from_slice($blocks);
-                let $blocks = &array;
-                constructors!(@call $visitor, $law, $s, $arguments, $units)
-            })*
-            other => Err(ParamError::new("number of blocks", other as f64, preslide::Bound::AtMost(MOST_BLOCKS as f64))),
-        }
-    };
-    (@call $visitor:ident, $law:ident, $s:ident, ($($argument:expr),*), $units:ident) => {
-        Ok($visitor.visit($law::<_, $s>::try_new($($argument,)* $units)?))
-    };
-}
-
+// Arguments are fields, but for the units, which are last.
 constructors! {
     sample_time;
     Self::Coulomb { coulomb } => Coulomb(coulomb, 0.0);

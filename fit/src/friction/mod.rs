@@ -1,11 +1,13 @@
 //! The library's friction models, chosen at run time and run along a recording in `f64`.
 
 mod contact;
+mod law;
 mod laws;
 mod search;
 
 pub use contact::Tick;
-pub(crate) use laws::{Curve, Law, with_keys};
+pub(crate) use law::{Curve, Law};
+pub(crate) use laws::with_keys;
 pub use laws::{Family, FrictionModel};
 pub use search::{Bounded, Span};
 

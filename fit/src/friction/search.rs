@@ -158,3 +158,20 @@ pub(super) fn transition_blocks(length: f64, stretch: f64, breakaway: f64) -> Ve
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Concave, all of the force, and as many as said.
+    #[test]
+    fn the_transition_curve_becomes_blocks() {
+        for stretch in [0.3, 0.6, 1.0] {
+            let blocks = transition_blocks(1e-6, stretch, 0.9);
+            assert_eq!(blocks.len(), TRANSITION_BLOCKS);
+            assert!(blocks.iter().all(|b| b.stiffness > 0.0 && b.weight > 0.0));
+            let sum: f64 = blocks.iter().map(|b| b.weight).sum();
+            assert!((sum - 1.0).abs() < 1e-12, "{sum}");
+        }
+    }
+}
