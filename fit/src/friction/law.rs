@@ -42,10 +42,29 @@ impl<'a> Curve<'a> {
     }
 }
 
-/// The library's constructors, each told once: called here, and written by `export`.
-macro_rules! constructors {
-    ($sample_time:ident; $($model:pat => $law:ident $(of $blocks:ident)? ($($argument:expr),*);)*) => {
+/// The laws by their variants, each described once: the library's constructor, which is called here and written by `export`, and what [`Law`] says
+/// of it. A constructor's arguments are fields, but for the units, which are last.
+macro_rules! laws {
+    ($sample_time:ident; $($model:pat => $law:ident $(of $blocks:ident)? ($($argument:expr),*) {
+        kind: $kind:expr,
+        name: $name:expr,
+        scalars: [$($key:ident: $scalar:expr),*],
+        $($part:ident: $of_it:expr,)*
+    })*) => {
         impl FrictionModel {
+            /// The law that it is of.
+            pub(crate) fn law(&mut self) -> Law<'_> {
+                match self {
+                    $($model => Law {
+                        kind: $kind,
+                        name: $name.to_string(),
+                        $($part: $of_it,)*
+                        scalars: vec![$((stringify!($key), $scalar)),*],
+                        ..Law::default()
+                    },)*
+                }
+            }
+
             /// Hands the library's model, in `units` and for ticks of `sample_time` (s), to `visitor`.
             ///
             /// # Errors
@@ -56,15 +75,16 @@ macro_rules! constructors {
                 units: Units,
                 visitor: V,
             ) -> Result<V::Outcome, ParamError> {
-                match *self {
-                    $($model => constructors!(@visit visitor, units, $law $(of $blocks)? ($($argument),*)),)*
+                #[allow(unused_variables)] // of the fields, some are told by which law it is
+                match self.clone() {
+                    $($model => laws!(@visit visitor, units, $law $(of $blocks)? ($($argument),*)),)*
                 }
             }
 
             /// The library's type, and the names of what its constructor takes before the units.
-            #[allow(unused_variables)] // fields are bound to be arguments, of which only the names are told here
+            #[allow(unused_variables)] // fields are bound to be arguments, of which the names are told here
             pub fn constructor(&self) -> (&'static str, &'static [&'static str]) {
-                match *self {
+                match self {
                     $($model => (stringify!($law), &[$(stringify!($argument)),*]),)*
                 }
             }
@@ -74,15 +94,15 @@ macro_rules! constructors {
         Ok($visitor.visit($law::<S>::try_new($($argument,)* $units)?))
     };
     (@visit $visitor:ident, $units:ident, $law:ident of $blocks:ident $arguments:tt) => {
-        constructors!(@sizes [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16] $visitor, $units, $law of $blocks $arguments)
+        laws!(@sizes [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16] $visitor, $units, $law of $blocks $arguments)
     };
     (@sizes [$($n:literal)*] $visitor:ident, $units:ident, $law:ident of $blocks:ident $arguments:tt) => {
         match $blocks.len() {
             $($n => {
                 let mut array = [Block { stiffness: 0.0, weight: 0.0 }; $n];
-                array.copy_from_slice($blocks);
+                array.copy_from_slice(&$blocks);
                 let $blocks = &array;
-                constructors!(@sized $visitor, $units, $law $arguments)
+                laws!(@sized $visitor, $units, $law $arguments)
             })*
             other => Err(ParamError::new("number of blocks", other as f64, Bound::AtMost(MOST_BLOCKS as f64))),
         }
@@ -91,4 +111,4 @@ macro_rules! constructors {
         Ok($visitor.visit($law::<_, S>::try_new($($argument,)* $units)?))
     };
 }
-pub(super) use constructors;
+pub(super) use laws;

@@ -1,9 +1,8 @@
 //! The friction models, each described once. Names, keys of model files, exported source, costs, fits and tests are made from these.
 //!
-//! To add a law: a variant of [`FrictionModel`], its arm of `law`, its line of `constructors!` and its parameters in `one_of_each`. To have it
-//! fitted: a variant of [`Family`], in `ALL` and with an arm of `search`.
+//! To add a law: a variant of [`FrictionModel`], its row of `laws!` and its parameters in `one_of_each`. To have it fitted: a variant of [`Family`], in `ALL` and with an arm of `search`.
 
-use super::law::{Curve, Law, constructors};
+use super::law::{Curve, Law, laws};
 use super::search::{Search, Span, bounded, stribeck, transition_blocks, weakening};
 use super::{MOST_BLOCKS, Visitor};
 use clap::ValueEnum;
@@ -113,151 +112,6 @@ macro_rules! with_keys {
 pub(crate) use with_keys;
 
 impl FrictionModel {
-    /// The law that it is of.
-    pub(crate) fn law(&mut self) -> Law<'_> {
-        match self {
-            Self::Coulomb { coulomb } => Law {
-                kind: "coulomb",
-                name: "Coulomb + viscous".to_owned(),
-                scalars: vec![("coulomb_N", coulomb)],
-                ..Law::default()
-            },
-            Self::Dahl {
-                stiffness,
-                coulomb,
-                exponent,
-            } => Law {
-                kind: "dahl",
-                name: ["Dahl", "Dahl, n = 1"][usize::from(*exponent == 1.0)].to_owned(),
-                length: *coulomb / *stiffness,
-                scalars: vec![
-                    ("stiffness_N_per_m", stiffness),
-                    ("coulomb_N", coulomb),
-                    ("exponent", exponent),
-                ],
-                ..Law::default()
-            },
-            Self::LuGre {
-                stiffness,
-                damping,
-                breakaway,
-                sliding,
-            } => Law {
-                kind: "lugre",
-                name: "LuGre".to_owned(),
-                length: *breakaway / *stiffness,
-                scalars: vec![
-                    ("stiffness_N_per_m", stiffness),
-                    ("damping_N_s_per_m", damping),
-                    ("breakaway_N", breakaway),
-                ],
-                curve: Curve::Always(sliding),
-                ..Law::default()
-            },
-            Self::BoucWen {
-                stiffness,
-                coulomb,
-                exponent,
-                shape,
-            } => Law {
-                kind: "bouc_wen",
-                name: "Bouc-Wen".to_owned(),
-                length: *coulomb / *stiffness,
-                scalars: vec![
-                    ("stiffness_N_per_m", stiffness),
-                    ("coulomb_N", coulomb),
-                    ("exponent", exponent),
-                    ("shape", shape),
-                ],
-                ..Law::default()
-            },
-            Self::ElastoPlastic {
-                stiffness,
-                damping,
-                elastic,
-                breakaway,
-                sliding,
-            } => Law {
-                kind: "elasto_plastic",
-                name: "elasto-plastic".to_owned(),
-                length: *breakaway / *stiffness,
-                scalars: vec![
-                    ("stiffness_N_per_m", stiffness),
-                    ("damping_N_s_per_m", damping),
-                    ("elastic_m", elastic),
-                    ("breakaway_N", breakaway),
-                ],
-                curve: Curve::Always(sliding),
-                ..Law::default()
-            },
-            Self::Leuven {
-                form,
-                breakaway,
-                blocks,
-                exponent,
-                damping,
-                sliding,
-            } => {
-                let (kind, name) = match form {
-                    LeuvenForm::Modified => ("leuven", "Leuven"),
-                    LeuvenForm::Original => ("leuven_original", "Leuven, original"),
-                };
-                let yields = blocks.iter().map(|b| b.yield_displacement(*breakaway));
-                Law {
-                    kind,
-                    name: name.to_owned(),
-                    length: yields.fold(f64::INFINITY, f64::min),
-                    scalars: vec![
-                        ("breakaway_N", breakaway),
-                        ("exponent", exponent),
-                        ("damping_N_s_per_m", damping),
-                    ],
-                    blocks: Some(blocks),
-                    curve: Curve::Always(sliding),
-                }
-            }
-            Self::TwoState {
-                presliding,
-                breakaway,
-                sliding,
-            } => Law {
-                kind: "two_state",
-                name: "two-state".to_owned(),
-                length: *presliding,
-                scalars: vec![("presliding_m", presliding), ("breakaway_N", breakaway)],
-                curve: Curve::Always(sliding),
-                ..Law::default()
-            },
-            Self::Hsieh(p) => Law {
-                kind: "hsieh",
-                name: "Hsieh".to_owned(),
-                length: 1.0 / p.beta,
-                scalars: vec![
-                    ("k1_N_per_m", &mut p.k1),
-                    ("k2_N_per_m", &mut p.k2),
-                    ("beta_per_m", &mut p.beta),
-                    ("damping_N_s_per_m", &mut p.viscous),
-                    ("creep_per_s", &mut p.creep),
-                    ("hardening", &mut p.hardening),
-                    ("hardening_exponent", &mut p.hardening_exponent),
-                ],
-                ..Law::default()
-            },
-            Self::Gms {
-                breakaway,
-                blocks,
-                sliding,
-            } => Law {
-                kind: "gms",
-                name: format!("GMS, N = {}", blocks.len()),
-                scalars: vec![("breakaway_N", breakaway)],
-                blocks: Some(blocks),
-                curve: Curve::Optional(sliding),
-                ..Law::default()
-            },
-        }
-    }
-
     /// The blocks of the laws that are made of them; none for the others.
     pub fn blocks(&self) -> &[Block] {
         match self {
@@ -344,21 +198,83 @@ impl FrictionModel {
     }
 }
 
-// Arguments are fields, but for the units, which are last.
-constructors! {
+laws! {
     sample_time;
-    Self::Coulomb { coulomb } => Coulomb(coulomb, 0.0);
-    Self::Dahl { stiffness, coulomb, exponent } => Dahl(stiffness, coulomb, exponent);
-    Self::LuGre { stiffness, damping, breakaway, sliding } => LuGre(stiffness, damping, breakaway, sliding);
-    Self::BoucWen { stiffness, coulomb, exponent, shape } => BoucWen(stiffness, coulomb, exponent, shape);
+    Self::Coulomb { coulomb } => Coulomb(coulomb, 0.0) {
+        kind: "coulomb",
+        name: "Coulomb + viscous",
+        scalars: [coulomb_N: coulomb],
+    }
+    Self::Dahl { stiffness, coulomb, exponent } => Dahl(stiffness, coulomb, exponent) {
+        kind: "dahl",
+        name: ["Dahl", "Dahl, n = 1"][usize::from(*exponent == 1.0)],
+        scalars: [stiffness_N_per_m: stiffness, coulomb_N: coulomb, exponent: exponent],
+        length: *coulomb / *stiffness,
+    }
+    Self::LuGre { stiffness, damping, breakaway, sliding } => LuGre(stiffness, damping, breakaway, sliding) {
+        kind: "lugre",
+        name: "LuGre",
+        scalars: [stiffness_N_per_m: stiffness, damping_N_s_per_m: damping, breakaway_N: breakaway],
+        length: *breakaway / *stiffness,
+        curve: Curve::Always(sliding),
+    }
+    Self::BoucWen { stiffness, coulomb, exponent, shape } => BoucWen(stiffness, coulomb, exponent, shape) {
+        kind: "bouc_wen",
+        name: "Bouc-Wen",
+        scalars: [stiffness_N_per_m: stiffness, coulomb_N: coulomb, exponent: exponent, shape: shape],
+        length: *coulomb / *stiffness,
+    }
     Self::ElastoPlastic { stiffness, damping, elastic, breakaway, sliding } =>
-        ElastoPlastic(stiffness, damping, elastic, breakaway, sliding);
-    Self::Leuven { form, breakaway, ref blocks, exponent, damping, sliding } =>
-        Leuven of blocks(form, blocks, breakaway, exponent, damping, sliding);
-    Self::TwoState { presliding, breakaway, sliding } => TwoState(presliding, breakaway, sliding, sample_time);
-    Self::Hsieh(ref params) => Hsieh(params, sample_time);
-    Self::Gms { breakaway, ref blocks, sliding: None } => QuasiStaticGms of blocks(blocks, breakaway);
-    Self::Gms { breakaway, ref blocks, sliding: Some(sliding) } => Gms of blocks(blocks, breakaway, sliding, sample_time);
+        ElastoPlastic(stiffness, damping, elastic, breakaway, sliding) {
+        kind: "elasto_plastic",
+        name: "elasto-plastic",
+        scalars: [stiffness_N_per_m: stiffness, damping_N_s_per_m: damping, elastic_m: elastic, breakaway_N: breakaway],
+        length: *breakaway / *stiffness,
+        curve: Curve::Always(sliding),
+    }
+    Self::Leuven { form, breakaway, blocks, exponent, damping, sliding } =>
+        Leuven of blocks(form, blocks, breakaway, exponent, damping, sliding) {
+        kind: ["leuven", "leuven_original"][original(*form)],
+        name: ["Leuven", "Leuven, original"][original(*form)],
+        scalars: [breakaway_N: breakaway, exponent: exponent, damping_N_s_per_m: damping],
+        length: blocks.iter().map(|b| b.yield_displacement(*breakaway)).fold(f64::INFINITY, f64::min),
+        blocks: Some(blocks),
+        curve: Curve::Always(sliding),
+    }
+    Self::TwoState { presliding, breakaway, sliding } => TwoState(presliding, breakaway, sliding, sample_time) {
+        kind: "two_state",
+        name: "two-state",
+        scalars: [presliding_m: presliding, breakaway_N: breakaway],
+        length: *presliding,
+        curve: Curve::Always(sliding),
+    }
+    Self::Hsieh(params) => Hsieh(&params, sample_time) {
+        kind: "hsieh",
+        name: "Hsieh",
+        scalars: [
+            k1_N_per_m: &mut params.k1, k2_N_per_m: &mut params.k2, beta_per_m: &mut params.beta, damping_N_s_per_m: &mut params.viscous,
+            creep_per_s: &mut params.creep, hardening: &mut params.hardening, hardening_exponent: &mut params.hardening_exponent
+        ],
+        length: 1.0 / params.beta,
+    }
+    Self::Gms { breakaway, blocks, sliding: sliding @ None } => QuasiStaticGms of blocks(blocks, breakaway) {
+        kind: "gms",
+        name: format!("GMS, N = {}", blocks.len()),
+        scalars: [breakaway_N: breakaway],
+        blocks: Some(blocks),
+        curve: Curve::Optional(sliding),
+    }
+    Self::Gms { breakaway, blocks, sliding: Some(sliding) } => Gms of blocks(blocks, breakaway, sliding, sample_time) {
+        kind: "gms",
+        name: format!("GMS, N = {}", blocks.len()),
+        scalars: [breakaway_N: breakaway],
+        blocks: Some(blocks),
+        curve: Curve::Always(sliding),
+    }
+}
+
+fn original(form: LeuvenForm) -> usize {
+    usize::from(form == LeuvenForm::Original)
 }
 
 /// A friction model that is fitted by a nonlinear optimiser.

@@ -120,6 +120,17 @@ pub fn all() -> Vec<Law> {
     all
 }
 
+#[test]
+fn every_law_of_a_model_file_has_a_row() {
+    let rows = all();
+    for model in FrictionModel::one_of_each(1.0, 1.0) {
+        let kind = model.kind();
+        let has_row = rows.iter().any(|law| law.stage.kind() == kind);
+        // Coulomb's force is checked for itself.
+        assert!(has_row || kind == "coulomb", "{kind}");
+    }
+}
+
 /// Its equations, block by block, are another check's.
 fn gms() -> Law {
     let model = |blocks: &[_], sliding| FrictionModel::Gms {

@@ -72,40 +72,27 @@ impl Source<'_> {
 /// The library's type, and the arguments of its constructor but for the units; `names` are the scalars, `built` the blocks.
 fn constructor(friction: &FrictionModel, names: &[String], built: &str) -> (String, String) {
     let scalars = friction.scalars();
-    let set = |fields: &[&str], names: &[String]| {
-        let set = fields
-            .iter()
-            .zip(names)
-            .map(|(field, name)| format!("{field}: {name}"));
-        set.collect::<Vec<_>>().join(", ")
+    let set = |fields: &str, names: &[String]| {
+        let set = fields.split(' ').zip(names);
+        let set: Vec<String> = set
+            .map(|(field, name)| format!("{field}: {name}"))
+            .collect();
+        set.join(", ")
     };
-    let argument = |argument: &str| match (argument, friction) {
+    let argument = |argument: &str| match (argument.trim_start_matches(['&', ' ']), friction) {
         ("blocks", _) => built.to_owned(),
         ("form", FrictionModel::Leuven { form, .. }) => {
             format!("::preslide::LeuvenForm::{form:?}")
         }
         ("params", _) => {
-            let fields = [
-                "k1",
-                "k2",
-                "beta",
-                "viscous",
-                "creep",
-                "hardening",
-                "hardening_exponent",
-            ];
-            format!("&::preslide::HsiehParams {{ {} }}", set(&fields, names))
+            let fields = "k1 k2 beta viscous creep hardening hardening_exponent";
+            format!("&::preslide::HsiehParams {{ {} }}", set(fields, names))
         }
         ("sliding", _) => {
-            let fields = [
-                "coulomb",
-                "stribeck_velocity",
-                "stribeck_exponent",
-                "attraction",
-            ];
+            let fields = "coulomb stribeck_velocity stribeck_exponent attraction";
             // The scalars of the Stribeck curve are the last ones.
-            let from = names.len().saturating_sub(fields.len());
-            format!("::preslide::Sliding {{ {} }}", set(&fields, &names[from..]))
+            let from = names.len().saturating_sub(4);
+            format!("::preslide::Sliding {{ {} }}", set(fields, &names[from..]))
         }
         // A key is its field's name with the unit; what is no field stands for itself.
         (field, _) => {
