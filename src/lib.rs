@@ -2,19 +2,7 @@
 //!
 //! # Models
 //!
-//! | | model | memory |
-//! |---|---|---|
-//! | [`Gms`] | Generalized Maxwell-Slip, N blocks, sliding dynamics | non-local |
-//! | [`QuasiStaticGms`] | the same with `F_s = F_c`, exact for any displacement step | non-local |
-//! | [`Dahl`] | eq. (1) | one state |
-//! | [`LuGre`] | eqs. (2)–(3) | one state |
-//! | [`BoucWen`] | Dahl's law with its own shape on unloading | one state |
-//! | [`ElastoPlastic`] | LuGre that is purely elastic below breakaway | one state |
-//! | [`Leuven`] | Maxwell-slip hysteresis under a LuGre-like state, original and modified | non-local, leaks |
-//! | [`TwoState`] | elasto-plastic branch from the last reversal, lagging level | the last reversal |
-//! | [`Hsieh`] | eqs. (4)–(6) | non-local, creep |
-//! | [`Coulomb`] | `F_c·sgn v + b·v`, the baseline | none |
-//! | [`kernels`] | the two Maxwell-slip laws in whole numbers, for a cycle budget | non-local |
+//! Those that implement [`Friction`], which lists them.
 //!
 //! Physics beyond these (Stribeck, cogging, a bad spot, temperature …) is composed with them by type: [`effects`].
 //!
@@ -46,11 +34,6 @@ pub mod kernels;
 pub use fixed;
 
 pub use encoder::{Count, CountTracker, EdgeTiming, EncoderScale};
-pub use friction::{
-    BoucWen, BoucWenState, Coulomb, Dahl, DahlState, ElastoPlastic, ElastoPlasticState, Friction,
-    Gms, GmsState, Hsieh, HsiehParams, HsiehState, Leuven, LeuvenForm, LeuvenState, LuGre,
-    LuGreState, Motion, QuasiStaticGms, QuasiStaticState, REVERSALS, Sliding, TwoState,
-    TwoStateMemory,
-};
+pub use friction::*;
 pub use param::{Block, Bound, ParamError, Units, WEIGHT_SUM_TOLERANCE, to_scalar};
 pub use scalar::Scalar;

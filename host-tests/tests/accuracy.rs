@@ -2,15 +2,14 @@
 //!
 //! `cargo test -p preslide-host-tests --test all -- accuracy:: --nocapture` prints the figures.
 
+use crate::laws::{self, Equation, built};
 use fixed::types::{I8F24, I16F16, I32F32};
-use preslide::{
-    Coulomb, Dahl, Friction, Gms, Hsieh, HsiehParams, LuGre, Motion, QuasiStaticGms, Scalar,
-    Sliding, Units,
-};
+use preslide::{Coulomb, Friction, Gms, Hsieh, Motion, QuasiStaticGms, Scalar, Sliding, Units};
 use preslide_host_tests::deviation::Deviation;
 use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, motion, random_reversals};
-use preslide_host_tests::reference::{self, Masing, MaxwellSlip, Stribeck};
+use preslide_host_tests::reference::{Masing, MaxwellSlip, Stribeck};
 use preslide_host_tests::table3::{BREAKAWAY, blocks, column, hsieh};
+use rayon::prelude::*;
 
 const TICKS: usize = 1_000_000;
 const SEED: u64 = 1227;
@@ -20,6 +19,12 @@ const COARSE: Units = Units {
     length: 32.0 * COUNT,
     force: 1e-2,
     velocity: 1e-3,
+};
+
+/// Counts and 10 mN.
+const TENS: Units = Units {
+    force: 1e-2,
+    ..COUNTS
 };
 
 /// Bounds on largest, RMS and mean error (N) in one arithmetic.
@@ -41,7 +46,7 @@ pub(crate) const fn bounds(number: &'static str, max: f64, rms: f64, bias: f64) 
 }
 
 /// Counts travelled in a tick and the velocity (m/s) that the model gets.
-type Tick = (i32, f64);
+pub(crate) type Tick = (i32, f64);
 
 fn scalar<S: Scalar>(value: f64) -> S {
     S::try_from_f64(value).expect("the path fits the number type")
@@ -78,7 +83,7 @@ fn print(what: &str, number: &str, found: &Deviation) {
     );
 }
 
-pub(crate) fn compare<M: Friction>(
+fn compare<M: Friction>(
     what: &str,
     bounds: &Bounds,
     (model, units): (&M, Units),
@@ -99,18 +104,6 @@ fn sliding(stribeck: &Stribeck, attraction: f64) -> Sliding {
         stribeck_exponent: stribeck.exponent,
         attraction,
     }
-}
-
-/// The reference of the same parameters.
-fn marched(params: &HsiehParams) -> reference::Hsieh {
-    reference::Hsieh::new([
-        params.k1,
-        params.k2,
-        params.beta,
-        params.creep,
-        params.hardening,
-        params.hardening_exponent,
-    ])
 }
 
 /// Runs `$check::<N, S>(…)` for every arithmetic.
@@ -318,145 +311,42 @@ fn gms_with_interpolation(sizes: Sizes) {
     gms_against_the_equations("GMS, s(v) by table", stribeck, &path, BOUNDS, sizes);
 }
 
-/// A tenth of the ticks of the others, none faster than 2 mm/s: the references integrate adaptively.
-fn slow_path() -> Vec<Tick> {
-    random_reversals(SEED, TICKS / 10, 2_000.0, 4.0)
-        .into_iter()
-        .map(|counts| (counts, f64::from(counts) * COUNT / SAMPLE_TIME))
-        .collect()
-}
-
 #[test]
-fn dahl_is_within_bounds_of_the_integrated_equation() {
-    const COULOMB: f64 = 0.9;
-    let path = slow_path();
-    println!("\nDahl: {} ticks, seed {SEED}, errors in N", path.len());
-    for exponent in [0.5, 1.0, 1.001, 1.6, 3.0] {
-        let what = format!("Dahl, n = {exponent}");
-        let mut equation = reference::Dahl {
-            stiffness: 320_000.0,
-            coulomb: COULOMB,
-            exponent,
-            force: 0.0,
-        };
-        let reference: Vec<f64> = path
-            .iter()
-            .map(|tick| equation.advance(f64::from(tick.0) * COUNT))
-            .collect();
-        macro_rules! check {
-            ($number:ty, $units:expr, $bounds:expr) => {
-                let model = Dahl::<$number>::try_new(320_000.0, COULOMB, exponent, $units)
-                    .expect("Table 2 is valid");
-                compare(&what, &$bounds, (&model, $units), &path, &reference);
-            };
+fn every_law_is_within_bounds_of_its_equation() {
+    let equations = laws::all().into_iter().flat_map(|law| law.equations);
+    let equations: Vec<_> = equations.collect();
+    equations.into_par_iter().for_each(|equation| {
+        let Equation {
+            what,
+            model,
+            path,
+            mut force,
+            bounds,
+        } = equation;
+        let forces: Vec<f64> = path.iter().map(|&(counts, v)| force(counts, v)).collect();
+        for bounds in &bounds {
+            macro_rules! check {
+                ($number:ty, $units:expr) => {{
+                    let model = built::<$number>(&model, $units).expect("valid");
+                    compare(&what, bounds, (&model, $units), &path, &forces);
+                }};
+            }
+            match bounds.number {
+                "f32" => check!(f32, Units::SI),
+                "f64" => check!(f64, Units::SI),
+                "I16F16" => check!(I16F16, COUNTS),
+                "I8F24" => check!(I8F24, COARSE),
+                "I32F32" => check!(I32F32, COUNTS),
+                "I32F32 of 10 mN" => check!(I32F32, TENS),
+                other => panic!("{what}: {other}"),
+            }
         }
-        check!(f32, Units::SI, bounds("f32", 3.5e-6, 1e-6, 5e-8));
-        check!(f64, Units::SI, bounds("f64", 1.2e-12, 4e-13, 2e-14));
-        if exponent != 1.001 {
-            check!(I16F16, COUNTS, bounds("I16F16", 4.5e-3, 1.6e-3, 1.2e-4));
-            check!(I8F24, COARSE, bounds("I8F24", 2e-5, 5e-6, 4e-7));
-            check!(I32F32, COUNTS, bounds("I32F32", 1.6e-6, 2e-7, 5e-9));
-        }
-    }
-}
-
-#[test]
-fn lugre_is_within_bounds_of_the_integrated_equations() {
-    let path = slow_path();
-    println!("\nLuGre: {} ticks, seed {SEED}, errors in N", path.len());
-    for coulomb in [0.9, 0.6] {
-        let stribeck = Stribeck {
-            breakaway: BREAKAWAY,
-            coulomb,
-            velocity: 1e-3,
-            exponent: 2.0,
-        };
-        let mut equations = reference::LuGre {
-            stiffness: 195_000.0,
-            damping: 4_416.0,
-            stribeck,
-            sample_time: SAMPLE_TIME,
-            elastic: 0.0,
-        };
-        let reference: Vec<f64> = path
-            .iter()
-            .map(|&(counts, v)| equations.advance(f64::from(counts) * COUNT, v))
-            .collect();
-        let sliding = sliding(&stribeck, f64::INFINITY);
-        let what = format!("LuGre, F_c = {coulomb} N");
-        // Rounding alone; with a Stribeck effect the table's error, too.
-        let [f32_, f64_, i16f16, i32f32] = if coulomb == BREAKAWAY {
-            [
-                bounds("f32", 1.3e-5, 2e-6, 7e-8),
-                bounds("f64", 5e-14, 8e-15, 1e-15),
-                bounds("I16F16", 2.2e-3, 4e-4, 5e-5),
-                bounds("I32F32", 1.1e-5, 2e-6, 5e-8),
-            ]
-        } else {
-            [
-                bounds("f32", 1.5e-3, 1.7e-4, 1.3e-5),
-                bounds("f64", 1.5e-3, 1.7e-4, 1.3e-5),
-                bounds("I16F16", 1.8e-2, 7e-3, 3e-4),
-                bounds("I32F32", 1.5e-3, 1.7e-4, 1.3e-5),
-            ]
-        };
-        macro_rules! check {
-            ($number:ty, $units:expr, $bounds:expr) => {
-                let model =
-                    LuGre::<$number>::try_new(195_000.0, 4_416.0, BREAKAWAY, sliding, $units)
-                        .expect("Table 2 is valid");
-                compare(&what, &$bounds, (&model, $units), &path, &reference);
-            };
-        }
-        check!(f32, Units::SI, f32_);
-        check!(f64, Units::SI, f64_);
-        check!(I16F16, COUNTS, i16f16);
-        check!(I32F32, COUNTS, i32f32);
-    }
-}
-
-#[test]
-fn hsieh_is_within_bounds_of_equations_marched_in_fine_steps() {
-    let path: Vec<Tick> = slow_path().into_iter().take(10_000).collect();
-    println!("\nHsieh: {} ticks, seed {SEED}, errors in N", path.len());
-    for viscous in [0.0, 100.0] {
-        let params = hsieh(viscous, 500.0);
-        let mut equations = marched(&params);
-        let reference: Vec<f64> = path
-            .iter()
-            .map(|&(counts, v)| {
-                let displacement = f64::from(counts) * COUNT;
-                let (force, plastic_rate) = equations.advance(displacement, SAMPLE_TIME, 500);
-                force + viscous * (v - plastic_rate)
-            })
-            .collect();
-        let what = format!("Hsieh, C_v = {viscous} N·s/m");
-        macro_rules! check {
-            ($number:ty, $units:expr, $bounds:expr) => {
-                let model = Hsieh::<$number>::try_new(&params, SAMPLE_TIME, $units)
-                    .expect("Table 2 is valid");
-                compare(&what, &$bounds, (&model, $units), &path, &reference);
-            };
-        }
-        // The library solves each tick at its end: an error of the order of a tick, not of rounding.
-        let [max, rms, bias] = if viscous == 0.0 {
-            [9e-3, 5e-4, 3e-5]
-        } else {
-            [5e-2, 1.2e-3, 3e-6]
-        };
-        check!(f32, Units::SI, bounds("f32", max, rms, bias));
-        check!(f64, Units::SI, bounds("f64", max, rms, bias));
-        let tens = Units {
-            force: 1e-2,
-            ..COUNTS
-        };
-        check!(I32F32, tens, bounds("I32F32", max, rms, bias));
-    }
+    });
 }
 
 #[test]
 fn coulomb_is_exact_to_rounding() {
-    let path = slow_path();
+    let path = laws::slow();
     let reference: Vec<f64> = path
         .iter()
         .map(|&(_, v)| {
@@ -526,13 +416,13 @@ fn stribeck_table_is_within_its_documented_error_for_every_exponent() {
 
 #[test]
 fn hsieh_converges_to_the_equations_as_the_tick_shrinks() {
-    let path: Vec<Tick> = slow_path().into_iter().take(3_000).collect();
+    let path: Vec<Tick> = laws::slow().into_iter().take(3_000).collect();
     let rms_with = |ticks: i32| {
         let params = hsieh(0.0, 500.0);
         let time = SAMPLE_TIME / f64::from(ticks);
         let model = Hsieh::<f64>::try_new(&params, time, Units::SI).expect("Table 2 is valid");
         let mut state = model.at_rest();
-        let mut equations = marched(&params);
+        let mut equations = laws::marched(&params);
         let mut found = Deviation::default();
         for &(counts, _) in &path {
             let displacement = f64::from(counts) * COUNT;

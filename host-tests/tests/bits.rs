@@ -1,16 +1,14 @@
 //! What models and controllers make of random motions, orders and faults, to the bit as it was when blessed: other tests leave room for
 //! rounding, and a change within that room is one that somebody meant. `BLESS=1 cargo test -p preslide-host-tests --test all bits::`
 
+use crate::laws::{self, AnyLaw, LAGGING, built};
 use fixed::types::I16F16;
 use preslide::control::learning::{Adaptation, MismatchWatch};
 use preslide::control::{
     Axis, Basics, Coefficients, Controller, Hardware, Learning, LearningSettings, Measurement,
     NoFriction, Notch, Observed, ObserverSettings, Planner, VelocitySource,
 };
-use preslide::{
-    BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven, LeuvenForm,
-    LuGre, ParamError, QuasiStaticGms, Scalar, Sliding, TwoState, Units,
-};
+use preslide::{Coulomb, Friction, Gms, ParamError, QuasiStaticGms, Scalar, Units};
 use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, motion, random_reversals};
 use preslide_host_tests::table3::blocks;
 use rand::{RngExt, SeedableRng};
@@ -18,13 +16,6 @@ use rand_chacha::ChaCha8Rng;
 use std::fmt::{Debug, Write};
 
 const BLESSED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/bits.txt");
-
-const SLIDING: Sliding = Sliding {
-    coulomb: 0.81,
-    stribeck_velocity: 1e-3,
-    stribeck_exponent: 1.5,
-    attraction: 20.0,
-};
 
 /// FNV-1a over all outputs.
 struct Bits(u64);
@@ -149,69 +140,29 @@ fn commands<F: Friction>(axis: &Axis, friction: Result<F, ParamError>, units: Un
     bits.0
 }
 
-/// The name of each, and its number in `f64` and `f32`.
-macro_rules! both {
-    ($name:literal, $model:ident $(<$n:literal>)?, $($argument:expr),*) => {
-        [
-            (concat!($name, ", f64"), forces($model::<$($n,)? f64>::try_new($($argument,)* Units::SI), Units::SI)),
-            (concat!($name, ", f32"), forces($model::<$($n,)? f32>::try_new($($argument,)* Units::SI), Units::SI)),
-        ]
-    };
-}
-
-fn of_models() -> Vec<(&'static str, u64)> {
-    let hsieh = HsiehParams {
-        k1: 51_540.0,
-        k2: 2_026_400.0,
-        viscous: 5000.0,
-        beta: 3_216_500.0,
-        creep: 500.0,
-        hardening: 31_200.0,
-        hardening_exponent: 3.22,
-    };
-    let [modified, original] = [LeuvenForm::Modified, LeuvenForm::Original];
-    let whole = Gms::<4, I16F16>::try_new(&blocks(), 0.9, SLIDING, SAMPLE_TIME, COUNTS);
-    let models = [
-        both!("Gms", Gms<4>, &blocks(), 0.9, SLIDING, SAMPLE_TIME),
-        both!("QuasiStaticGms", QuasiStaticGms<6>, &blocks(), 0.9),
-        both!("Dahl", Dahl, 320e3, 0.9, 1.6),
-        both!("LuGre", LuGre, 195e3, 4416.0, 0.9, SLIDING),
-        both!("Coulomb", Coulomb, 0.9, 5.0),
-        both!("BoucWen", BoucWen, 195e3, 0.9, 1.6, 0.8),
-        both!(
-            "ElastoPlastic",
-            ElastoPlastic,
-            195e3,
-            400.0,
-            2e-6,
-            0.9,
-            SLIDING
-        ),
-        both!("TwoState", TwoState, 30e-6, 0.9, SLIDING, SAMPLE_TIME),
-        both!("Hsieh", Hsieh, &hsieh, SAMPLE_TIME),
-        both!(
-            "Leuven",
-            Leuven<4>,
-            modified,
-            &blocks(),
-            0.9,
-            5.0,
-            9.0,
-            SLIDING
-        ),
-        both!(
-            "Leuven, original",
-            Leuven<4>,
-            original,
-            &blocks(),
-            0.9,
-            5.0,
-            9.0,
-            SLIDING
-        ),
+fn of_models() -> Vec<(String, u64)> {
+    let mut all = Vec::new();
+    for law in laws::all() {
+        let (double, single) = (built(&law.stage, Units::SI), built(&law.stage, Units::SI));
+        all.push((
+            format!("{}, f64", law.name),
+            forces::<AnyLaw<f64>>(double, Units::SI),
+        ));
+        all.push((
+            format!("{}, f32", law.name),
+            forces::<AnyLaw<f32>>(single, Units::SI),
+        ));
+    }
+    let [double, single] = [
+        forces(Coulomb::<f64>::try_new(0.9, 5.0, Units::SI), Units::SI),
+        forces(Coulomb::<f32>::try_new(0.9, 5.0, Units::SI), Units::SI),
     ];
-    let mut all = models.concat();
-    all.push(("Gms, I16F16", forces(whole, COUNTS)));
+    let whole = Gms::<4, I16F16>::try_new(&blocks(), 0.9, LAGGING, SAMPLE_TIME, COUNTS);
+    all.extend([
+        ("Coulomb, f64".to_owned(), double),
+        ("Coulomb, f32".to_owned(), single),
+        ("Gms, I16F16".to_owned(), forces(whole, COUNTS)),
+    ]);
     all
 }
 
@@ -227,7 +178,7 @@ fn of_controllers() -> Vec<(&'static str, u64)> {
     other.hardware = other.hardware.with_dead_time(500e-9, 0.7);
     other.encoder.reversed = true;
     let blocks = &blocks::<4>();
-    let float = || Gms::<4, f32>::try_new(blocks, 0.9, SLIDING, SAMPLE_TIME, Units::SI);
+    let float = || Gms::<4, f32>::try_new(blocks, 0.9, LAGGING, SAMPLE_TIME, Units::SI);
     let double = || QuasiStaticGms::<4, f64>::try_new(blocks, 0.9, Units::SI);
     let whole = || QuasiStaticGms::<4, I16F16>::try_new(blocks, 0.9, COUNTS);
     let mut learning = LearningSettings::PAPER_AXIS;
@@ -297,11 +248,12 @@ fn of_basics() -> u64 {
 #[test]
 fn nothing_changes_by_a_bit_unnoticed() {
     let mut lines = String::new();
-    for (name, bits) in of_models()
-        .into_iter()
-        .chain(of_controllers())
-        .chain([("basics", of_basics())])
-    {
+    for (name, bits) in of_models().into_iter().chain(
+        of_controllers()
+            .into_iter()
+            .chain([("basics", of_basics())])
+            .map(|(name, bits)| (name.to_owned(), bits)),
+    ) {
         writeln!(lines, "{name}: {bits:016x}").expect("a string takes it");
     }
     if std::env::var_os("BLESS").is_some() {

@@ -1,165 +1,37 @@
-//! The models that the paper only names: against equations integrated independently, and by what the literature says
-//! of each.
+//! The models that the paper only names, by what the literature says of each.
 //!
 //! `cargo test -p preslide-host-tests --test all -- family:: --nocapture` prints the figures.
 
-use crate::accuracy::{bounds, compare};
+use crate::laws::{self, built};
 use crate::properties::in_steps;
 use preslide::Bound::{AtLeast, AtMost};
 use preslide::{
-    BoucWen, Dahl, ElastoPlastic, Friction, Leuven, LeuvenForm, Scalar, Sliding, TwoState, Units,
+    BoucWen, Dahl, ElastoPlastic, Friction, Leuven, LeuvenForm, Sliding, TwoState, Units,
 };
-use preslide_host_tests::path::{COUNT, SAMPLE_TIME, motion, random_reversals};
-use preslide_host_tests::reference::{self, Stribeck};
+use preslide_host_tests::path::{COUNT, SAMPLE_TIME, motion};
 use preslide_host_tests::refusal::{not_negative, positive, refused};
-use preslide_host_tests::table3::{BREAKAWAY, blocks, column, falling};
+use preslide_host_tests::table3::{BREAKAWAY, blocks};
 use proptest::prelude::*;
 
-const TICKS: usize = 20_000;
-const SEED: u64 = 1227;
-const STIFFNESS: f64 = 195_000.0;
 const ELASTIC: f64 = 1.5e-6;
-const DISTANCE: f64 = 35e-6;
-pub(crate) const FORMS: [LeuvenForm; 2] = [LeuvenForm::Original, LeuvenForm::Modified];
 
-pub(crate) fn weakening() -> Sliding {
-    falling(0.8 * BREAKAWAY, 2_000.0)
-}
-
-fn stribeck() -> Stribeck {
-    Stribeck {
-        breakaway: BREAKAWAY,
-        coulomb: 0.8 * BREAKAWAY,
-        velocity: 1e-3,
-        exponent: 2.0,
-    }
-}
-
-pub(crate) fn bouc_wen<S: Scalar>(exponent: f64, shape: f64) -> BoucWen<S> {
+fn bouc_wen(exponent: f64, shape: f64) -> BoucWen<f64> {
     BoucWen::try_new(320_000.0, BREAKAWAY, exponent, shape, Units::SI).expect("valid")
 }
 
-pub(crate) fn elasto_plastic<S: Scalar>(damping: f64, sliding: Sliding) -> ElastoPlastic<S> {
-    ElastoPlastic::try_new(STIFFNESS, damping, ELASTIC, BREAKAWAY, sliding, Units::SI)
-        .expect("valid")
+fn elasto_plastic() -> ElastoPlastic<f64> {
+    let none = Sliding::none(BREAKAWAY);
+    ElastoPlastic::try_new(195_000.0, 0.0, ELASTIC, BREAKAWAY, none, Units::SI).expect("valid")
 }
 
-pub(crate) fn leuven<S: Scalar>(form: LeuvenForm, damping: f64, sliding: Sliding) -> Leuven<6, S> {
-    let blocks = blocks::<6>();
-    Leuven::try_new(form, &blocks, BREAKAWAY, 2.0, damping, sliding, Units::SI).expect("valid")
+fn leuven(form: LeuvenForm, exponent: f64, damping: f64) -> Leuven<6, f64> {
+    let (blocks, none) = (blocks(), Sliding::none(BREAKAWAY));
+    Leuven::try_new(form, &blocks, BREAKAWAY, exponent, damping, none, Units::SI).expect("valid")
 }
 
-pub(crate) fn two_state<S: Scalar>(sliding: Sliding) -> TwoState<S> {
-    TwoState::try_new(DISTANCE, BREAKAWAY, sliding, SAMPLE_TIME, Units::SI).expect("valid")
-}
-
-/// Counts in a tick and a velocity (m/s): standstill or a hundred Stribeck velocities, where the table needs no
-/// interpolation, changing every few ticks.
-fn path() -> Vec<(i32, f64)> {
-    random_reversals(SEED, TICKS, 4_000.0, 200.0)
-        .into_iter()
-        .enumerate()
-        .map(|(i, counts)| {
-            let speed = if i / 7 % 3 == 0 { 0.1 } else { 0.0 };
-            (counts, speed * f64::from(counts.signum()))
-        })
-        .collect()
-}
-
-/// Along [`path`], of an equation's forces (N) of counts and speed: largest, RMS and mean error in `f32` and in `f64` within these bounds.
-fn check<A: Friction<Scalar = f32>, B: Friction<Scalar = f64>>(
-    what: &str,
-    (single, double): (&A, &B),
-    mut equation: impl FnMut(i32, f64) -> f64,
-    within: [[f64; 3]; 2],
-) {
-    let path = path();
-    let forces: Vec<f64> = path
-        .iter()
-        .map(|&(counts, v)| equation(counts, v))
-        .collect();
-    let of = |number, [max, rms, bias]: [f64; 3]| bounds(number, max, rms, bias);
-    let [coarse, fine] = [of("f32", within[0]), of("f64", within[1])];
-    compare(what, &coarse, (single, Units::SI), &path, &forces);
-    compare(what, &fine, (double, Units::SI), &path, &forces);
-}
-
-#[test]
-fn bouc_wen_is_within_bounds_of_its_equation() {
-    // The power's kink at `u = 0` costs the fourth-order step its order, most for n = 1 with another slope beyond it.
-    for (exponent, shape, max, rms) in [
-        (1.0, 1.0, 2e-7, 2e-8),
-        (1.0, 0.5, 1.5e-4, 5e-6),
-        (1.6, 0.75, 1.2e-5, 1e-6),
-        (3.0, 2.0, 6e-5, 6e-6),
-    ] {
-        let mut equation = reference::BoucWen::new(320_000.0, BREAKAWAY, exponent, shape);
-        let models = (&bouc_wen(exponent, shape), &bouc_wen(exponent, shape));
-        let what = format!("Bouc-Wen, n = {exponent}, sigma = {shape}");
-        let bounds = [[max + 5e-6, rms + 1.5e-6, 6e-7], [max, rms, 2e-7]];
-        let equation = |counts: i32, _| equation.advance(f64::from(counts) * COUNT);
-        check(&what, models, equation, bounds);
-    }
-}
-
-#[test]
-fn elasto_plastic_is_within_bounds_of_its_equation() {
-    for damping in [0.0, 1.0] {
-        let mut equation = reference::ElastoPlastic {
-            stiffness: STIFFNESS,
-            damping,
-            elastic: ELASTIC,
-            stribeck: stribeck(),
-            sample_time: SAMPLE_TIME,
-            deflection: 0.0,
-        };
-        let models = (
-            &elasto_plastic(damping, weakening()),
-            &elasto_plastic(damping, weakening()),
-        );
-        let what = format!("elasto-plastic, sigma_1 = {damping}");
-        let bounds = [[5e-6, 2e-6, 7e-7], [1.2e-6, 1.2e-7, 2e-8]];
-        let equation = |counts, v| equation.advance(f64::from(counts) * COUNT, v);
-        check(&what, models, equation, bounds);
-    }
-}
-
-#[test]
-fn leuven_is_within_bounds_of_its_equation() {
-    let sliding = Sliding::none(BREAKAWAY);
-    for form in FORMS {
-        let original = form == LeuvenForm::Original;
-        for damping in [0.0, 0.5] {
-            let mut equation = reference::Leuven::new(column(6), BREAKAWAY, 2.0, damping, original);
-            let models = (
-                &leuven(form, damping, sliding),
-                &leuven(form, damping, sliding),
-            );
-            let what = format!("Leuven, {form:?}, sigma_1 = {damping}");
-            let bounds = [[6e-6, 6e-7, 3e-7], [6e-6, 2e-7, 1.5e-8]];
-            let equation = |counts, v| equation.advance(f64::from(counts) * COUNT, v);
-            check(&what, models, equation, bounds);
-        }
-    }
-}
-
-#[test]
-fn two_state_is_within_bounds_of_its_equation() {
-    let mut equation = reference::TwoState::new(
-        DISTANCE,
-        stribeck(),
-        weakening().attraction,
-        SAMPLE_TIME,
-        COUNT,
-    );
-    let models = (&two_state(weakening()), &two_state(weakening()));
-    let bounds = [[8e-6, 1.2e-6, 2e-7], [1.5e-14, 3e-15, 3e-16]];
-    check(
-        "two-state",
-        models,
-        |counts, v| equation.advance(counts, v),
-        bounds,
-    );
+fn two_state() -> TwoState<f64> {
+    let none = Sliding::none(BREAKAWAY);
+    TwoState::try_new(35e-6, BREAKAWAY, none, SAMPLE_TIME, Units::SI).expect("valid")
 }
 
 /// Forces along displacements, at the velocity `speed` (m/s) in their direction.
@@ -187,7 +59,7 @@ fn loop_error<M: Friction<Scalar = f64>>(model: &M, out: f64, back: f64) -> f64 
 #[test]
 fn bouc_wen_with_the_exponent_1_and_shape_1_is_dahls_model() {
     let dahl = Dahl::<f64>::try_new(320_000.0, BREAKAWAY, 1.0, Units::SI).expect("valid");
-    let path: Vec<f64> = path()
+    let path: Vec<f64> = laws::jumping()
         .iter()
         .map(|tick| f64::from(tick.0) * COUNT)
         .collect();
@@ -201,12 +73,11 @@ fn bouc_wen_with_the_exponent_1_and_shape_1_is_dahls_model() {
 /// What each is said to do with an inner loop half way up the virgin curve.
 #[test]
 fn inner_loops_stay_open_but_for_the_elastic_range() {
-    let quasi_static = Sliding::none(BREAKAWAY);
-    let bouc_wen = loop_error(&bouc_wen::<f64>(1.6, 0.75), 1.5e-6, 1e-6);
+    let bouc_wen = loop_error(&bouc_wen(1.6, 0.75), 1.5e-6, 1e-6);
     assert!(bouc_wen > 0.02, "Bouc-Wen {bouc_wen}");
-    let two_state = loop_error(&two_state::<f64>(quasi_static), 20e-6, 15e-6);
+    let two_state = loop_error(&two_state(), 20e-6, 15e-6);
     assert!(two_state > 0.02, "two-state {two_state}");
-    let model = elasto_plastic::<f64>(0.0, quasi_static);
+    let model = elasto_plastic();
     let elastic = loop_error(&model, 0.8 * ELASTIC, 0.7 * ELASTIC);
     assert!(elastic < 1e-14, "elasto-plastic below z_ba {elastic:e}");
     let yielding = loop_error(&model, 4.0 * ELASTIC, 1.5 * ELASTIC);
@@ -220,13 +91,9 @@ fn elasto_plastic_does_not_drift_below_breakaway_and_bouc_wen_does() {
     let ripple = in_steps(&[[2e-7, -2e-7]; 500].concat(), 4);
     let load = |out: f64| [in_steps(&[out], 50), ripple.clone()].concat();
     let drop = |force: &[f64]| (force[49] - force[force.len() - 1]).abs();
-    let elasto_plastic = forces(
-        &elasto_plastic::<f64>(0.0, Sliding::none(BREAKAWAY)),
-        &load(1e-6),
-        0.0,
-    );
+    let elasto_plastic = forces(&elasto_plastic(), &load(1e-6), 0.0);
     assert!(drop(&elasto_plastic) < 1e-12, "{:e}", drop(&elasto_plastic));
-    let bouc_wen = forces(&bouc_wen::<f64>(1.6, 0.75), &load(1e-6), 0.0);
+    let bouc_wen = forces(&bouc_wen(1.6, 0.75), &load(1e-6), 0.0);
     assert!(drop(&bouc_wen) > 0.1, "{}", drop(&bouc_wen));
 }
 
@@ -237,7 +104,7 @@ fn leuven_jumps_at_loop_closure_in_its_original_form_only() {
     const SPEED: f64 = 0.01;
     const DAMPING: f64 = 10.0;
     let largest_change = |form, steps: usize| {
-        let model = leuven::<f64>(form, DAMPING, Sliding::none(BREAKAWAY));
+        let model = leuven(form, 2.0, DAMPING);
         let force = forces(&model, &in_steps(&[4e-6, -2e-6, 6e-6], steps), SPEED);
         // After the second reversal, at which sigma_1·dz/dt itself changes sign.
         let rising = &force[2 * steps + 1..];
@@ -257,46 +124,13 @@ fn leuven_jumps_at_loop_closure_in_its_original_form_only() {
 /// In `x` the Leuven model's loops close as far as `|u|ⁿ` vanishes.
 #[test]
 fn leuven_closes_loops_better_the_sharper_its_exponent() {
-    let error = |exponent| {
-        let sliding = Sliding::none(BREAKAWAY);
-        let form = LeuvenForm::Modified;
-        let model = Leuven::<6, f64>::try_new(
-            form,
-            &blocks(),
-            BREAKAWAY,
-            exponent,
-            0.0,
-            sliding,
-            Units::SI,
-        );
-        loop_error(&model.expect("valid"), 4e-6, 2e-6)
-    };
+    let error = |exponent| loop_error(&leuven(LeuvenForm::Modified, exponent, 0.0), 4e-6, 2e-6);
     let [blunt, middle, sharp] = [1.0, 4.0, 20.0].map(error);
     println!("Leuven, loop closure for n = 1, 4, 20: {blunt:.1e}, {middle:.1e}, {sharp:.1e} N");
     assert!(
         blunt > 5.0 * middle && middle > 20.0 * sharp,
         "{blunt:e} {middle:e} {sharp:e}"
     );
-}
-
-#[test]
-fn all_that_have_a_stribeck_curve_slide_at_the_coulomb_force_when_fast() {
-    fn sliding<M: Friction<Scalar = f64>>(model: &M, speed: f64) -> f64 {
-        let path = vec![1e-6; 2_000];
-        forces(model, &path, speed)[1_999]
-    }
-    let weights: f64 = blocks::<6>().iter().map(|block| block.weight).sum();
-    for (speed, level) in [(0.0, BREAKAWAY), (0.1, 0.8 * BREAKAWAY)] {
-        assert!((sliding(&elasto_plastic::<f64>(0.0, weakening()), speed) - level).abs() < 1e-6);
-        assert!((sliding(&two_state::<f64>(weakening()), speed) - level).abs() < 1e-9);
-        for form in FORMS {
-            let found = sliding(&leuven::<f64>(form, 0.0, weakening()), speed);
-            assert!(
-                (found - level.min(weights * BREAKAWAY)).abs() < 1e-6,
-                "{form:?} {found}"
-            );
-        }
-    }
 }
 
 #[test]
@@ -349,22 +183,17 @@ proptest! {
         legs in prop::collection::vec(1e-8..5e-5_f64, 1..10),
         steps in 2..100_usize,
     ) {
-        fn check<M: Friction<Scalar = f64>>(model: &M, legs: &[f64], steps: usize, within: f64) -> Result<(), TestCaseError> {
-            let coarse = forces(model, legs, 0.0);
-            let fine = forces(model, &in_steps(legs, steps), 5.0);
+        let legs: Vec<f64> = legs.iter().enumerate().map(|(i, leg)| if i % 2 == 0 { *leg } else { -leg }).collect();
+        for law in laws::all() {
+            let model = &law.models[0];
+            let still = model.along(Sliding::none);
+            let model = built(still.as_ref().unwrap_or(model), Units::SI).expect("valid");
+            let coarse = forces(&model, &legs, 0.0);
+            let fine = forces(&model, &in_steps(&legs, steps), 5.0);
             for (i, force) in coarse.iter().enumerate() {
                 let other = fine[steps * (i + 1) - 1];
-                prop_assert!((force - other).abs() < within, "leg {i}: {force} {other}");
+                prop_assert!((force - other).abs() < law.steps, "{}, leg {i}: {force} {other}", law.name);
             }
-            Ok(())
         }
-        let legs: Vec<f64> = legs.iter().enumerate().map(|(i, leg)| if i % 2 == 0 { *leg } else { -leg }).collect();
-        let none = Sliding::none(BREAKAWAY);
-        check(&bouc_wen(1.6, 0.75), &legs, steps, 2e-5)?;
-        check(&elasto_plastic(0.0, none), &legs, steps, 5e-6)?;
-        for form in FORMS {
-            check(&leuven(form, 0.0, none), &legs, steps, 1e-4)?;
-        }
-        check(&two_state(none), &legs, steps, 1e-12)?;
     }
 }

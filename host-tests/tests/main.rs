@@ -17,6 +17,7 @@ mod identify;
 mod identify_core;
 mod kernels;
 mod koopman;
+mod laws;
 mod learning;
 mod measured;
 mod mutants;

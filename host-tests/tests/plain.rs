@@ -1,6 +1,7 @@
 //! Plain physics in `identify`: gravity, a spring, viscous friction of each direction, what few reversals show. Made machines, whose
 //! parameters are known, and the files of `../shared/cases`.
 
+use crate::laws::{BoucWen, Dahl};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -15,7 +16,6 @@ use preslide_host::compare::compare;
 use preslide_host::diagnose::diagnose;
 use preslide_host::diagnose::fit::Fit;
 use preslide_host_tests::made::{Blocks, sines};
-use preslide_host_tests::reference::{BoucWen, Dahl};
 use preslide_host_tests::shared;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

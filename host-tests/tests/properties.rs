@@ -1,6 +1,7 @@
 //! What must hold whatever the parameters and the motion.
 
-use crate::family::{self, FORMS, bouc_wen, elasto_plastic, leuven, two_state};
+use crate::family;
+use crate::laws::{self, built};
 use fixed::types::{I0F32, I1F31, I2F30, I4F28, I8F24, I16F16, I16F48, I24F8, I30F2, I32F32};
 use preslide::{
     Block, Coulomb, Dahl, Friction, Gms, Hsieh, HsiehParams, LuGre, Motion, QuasiStaticGms, Scalar,
@@ -125,29 +126,20 @@ fn gms_slides_at_the_coulomb_force_when_fast_and_breaks_away_at_the_static_force
 
 #[test]
 fn a_tick_without_motion_changes_nothing_in_any_model() {
-    fn check<M: Friction<Scalar = f64>>(name: &str, model: &M)
-    where
-        M::State: PartialEq + std::fmt::Debug,
-    {
-        let mut state = model.at_rest();
+    for law in laws::all() {
+        let model = built::<f64>(&law.models[0], Units::SI).expect("valid");
+        let [mut walked, mut rested] = [model.at_rest(), model.at_rest()];
         // Ends going up inside a loop, and going down inside one.
-        for leg in [3e-6, -2e-6, 1e-6, -5e-7] {
+        for leg in [3e-6, -2e-6, 1e-6, -5e-7, 4e-6] {
             for _ in 0..10 {
                 let motion = Motion::quasi_static(leg / 10.0);
-                let force = model.step(&mut state, motion);
-                let before = state.clone();
-                let again = model.step(&mut state, Motion::quasi_static(0.0));
-                assert_eq!(force, again, "{name}");
-                assert_eq!(before, state, "{name}");
+                let force = model.step(&mut walked, motion);
+                assert_eq!(force, model.step(&mut rested, motion), "{}", law.name);
+                let again = model.step(&mut rested, Motion::quasi_static(0.0));
+                assert_eq!(force, again, "{}", law.name);
             }
         }
     }
-    check("quasi-static GMS", &quasi_static::<6>());
-    check("GMS", &gms::<6, f64>(weakening(), Units::SI));
-    check("Dahl", &dahl());
-    check("LuGre", &lugre());
-    let hsieh = Hsieh::<f64>::try_new(&hsieh(0.0, 0.0), SAMPLE_TIME, Units::SI).expect("valid");
-    check("Hsieh", &hsieh);
 }
 
 #[test]
@@ -236,38 +228,22 @@ fn stays_sound<M: Friction>(
 }
 
 /// Every model in one float type.
-fn every_model_stays_sound<S: Scalar>(
+fn every_model_stays_sound<S: Scalar + Send + 'static>(
     inputs: &[(f64, f64)],
     number: impl Fn(f64) -> S + Copy,
 ) -> Result<(), TestCaseError> {
-    let si = Units::SI;
-    let quasi_static = QuasiStaticGms::<6, S>::try_new(&blocks::<6>(), BREAKAWAY, si);
-    stays_sound(&quasi_static.expect("valid"), inputs, number)?;
-    stays_sound(&gms::<6, S>(weakening(), si), inputs, number)?;
-    for exponent in [0.5, 1.0, 1.6] {
-        let dahl = Dahl::<S>::try_new(320_000.0, 0.9, exponent, si);
-        stays_sound(&dahl.expect("valid"), inputs, number)?;
+    for model in laws::all().iter().flat_map(|law| &law.models) {
+        stays_sound(
+            &built::<S>(model, Units::SI).expect("valid"),
+            inputs,
+            number,
+        )?;
     }
-    for damping in [0.0, 4_416.0] {
-        let lugre = LuGre::<S>::try_new(195_000.0, damping, BREAKAWAY, weakening(), si);
-        stays_sound(&lugre.expect("valid"), inputs, number)?;
-        let coulomb = Coulomb::<S>::try_new(0.9, damping, si);
+    for viscous in [0.0, 4_416.0] {
+        let coulomb = Coulomb::<S>::try_new(0.9, viscous, Units::SI);
         stays_sound(&coulomb.expect("valid"), inputs, number)?;
-        let creeping = hsieh(damping, 500.0);
-        let hsieh = Hsieh::<S>::try_new(&creeping, SAMPLE_TIME, si);
-        stays_sound(&hsieh.expect("valid"), inputs, number)?;
     }
-    let weakening = family::weakening();
-    for (exponent, shape) in [(1.0, 0.5), (1.6, 0.75), (20.0, 2.0)] {
-        stays_sound(&bouc_wen::<S>(exponent, shape), inputs, number)?;
-    }
-    for damping in [0.0, 100.0] {
-        stays_sound(&elasto_plastic::<S>(damping, weakening), inputs, number)?;
-        for form in FORMS {
-            stays_sound(&leuven::<S>(form, damping, weakening), inputs, number)?;
-        }
-    }
-    stays_sound(&two_state::<S>(weakening), inputs, number)
+    Ok(())
 }
 
 proptest! {
@@ -285,29 +261,16 @@ proptest! {
     fn opposite_motion_gives_the_opposite_force(
         path in prop::collection::vec(-2e-5..2e-5_f64, 1..100),
     ) {
-        fn check<M: Friction<Scalar = f64>>(model: &M, path: &[f64]) -> Result<(), TestCaseError> {
-            let (mut a, mut b) = (model.at_rest(), model.at_rest());
-            for &dx in path {
+        for model in laws::all().iter().flat_map(|law| &law.models) {
+            let law = built::<f64>(model, Units::SI).expect("valid");
+            let (mut a, mut b) = (law.at_rest(), law.at_rest());
+            for &dx in &path {
                 let v = dx / SAMPLE_TIME;
-                let there = model.step(&mut a, motion(dx, v));
-                let back = model.step(&mut b, motion(-dx, -v));
-                prop_assert_eq!(there, -back);
+                let there = law.step(&mut a, motion(dx, v));
+                let back = law.step(&mut b, motion(-dx, -v));
+                prop_assert_eq!(there, -back, "{:?}", model);
             }
-            Ok(())
         }
-        check(&quasi_static::<10>(), &path)?;
-        check(&gms::<10, f64>(weakening(), Units::SI), &path)?;
-        check(&dahl(), &path)?;
-        check(&lugre(), &path)?;
-        let creeping = hsieh(100.0, 500.0);
-        check(&Hsieh::<f64>::try_new(&creeping, SAMPLE_TIME, Units::SI).expect("valid"), &path)?;
-        let weakening = family::weakening();
-        check(&bouc_wen(1.6, 0.75), &path)?;
-        check(&elasto_plastic(10.0, weakening), &path)?;
-        for form in FORMS {
-            check(&leuven(form, 10.0, weakening), &path)?;
-        }
-        check(&two_state(weakening), &path)?;
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! New parameters between two ticks: no bump, no loss of memory, no loss of tracking.
 
+use crate::laws::built;
 use crate::measured::calm;
 use fixed::types::I16F16;
 use preslide::control::learning::{Adaptation, MismatchWatch};
@@ -7,10 +8,8 @@ use preslide::control::{Axis, Coefficients, Command, Controller, Measurement, Mo
 use preslide::control::{Learning, LearningSettings, NoFriction, Observed, ObserverSettings};
 use preslide::effects::{ConstantForce, With};
 use preslide::kernels::{PackedSlipReserve, Scaled};
-use preslide::{
-    Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven,
-    LeuvenForm, LuGre, QuasiStaticGms, Sliding, TwoState, Units,
-};
+use preslide::{Block, Friction, Gms, LuGre, QuasiStaticGms, Sliding, TwoState, Units};
+use preslide_fit::friction::FrictionModel;
 use preslide_host_tests::path::COUNTS;
 use preslide_host_tests::table3;
 use preslide_sim::stage::{Stage, StageConfig};
@@ -110,7 +109,6 @@ fn same<F: Friction>(name: &str, model: impl Fn() -> F, units: Units, at: u32, s
 
 fn every_model(at: u32, speed: f64) {
     let u = Units::SI;
-    let gms = || Gms::<3>::try_new(&table3::blocks::<3>(), 0.9, SLIDING, 50e-6, u).expect("valid");
     let quasi = || QuasiStaticGms::<3>::try_new(&table3::blocks::<3>(), 0.9, u).expect("valid");
     let fixed = || {
         QuasiStaticGms::<3, I16F16>::try_new(&table3::blocks::<3>(), 0.9, COUNTS).expect("valid")
@@ -143,41 +141,11 @@ fn every_model(at: u32, speed: f64) {
     let name = "packed with an effect, learning, observed";
     same(name, all, u, at, speed);
     same("none", NoFriction::<f32>::new, u, at, speed);
-    same("gms", gms, u, at, speed);
-    same("quasi-static gms", quasi, u, at, speed);
     same("quasi-static gms, fixed", fixed, COUNTS, at, speed);
-    let coulomb = || Coulomb::<f32>::try_new(0.9, 0.0, u).expect("valid");
-    same("coulomb", coulomb, u, at, speed);
-    let dahl = || Dahl::<f32>::try_new(195e3, 0.9, 1.0, u).expect("valid");
-    same("dahl", dahl, u, at, speed);
-    let lugre = || LuGre::<f32>::try_new(195e3, 100.0, 0.9, SLIDING, u).expect("valid");
-    same("lugre", lugre, u, at, speed);
-    let bouc_wen = || BoucWen::<f32>::try_new(195e3, 0.9, 1.0, 0.5, u).expect("valid");
-    same("bouc-wen", bouc_wen, u, at, speed);
-    let elasto =
-        || ElastoPlastic::<f32>::try_new(195e3, 100.0, 2e-6, 0.9, SLIDING, u).expect("valid");
-    same("elasto-plastic", elasto, u, at, speed);
-    let two_state = || TwoState::<f32>::try_new(20e-6, 0.9, SLIDING, 50e-6, u).expect("valid");
-    same("two-state", two_state, u, at, speed);
-    let leuven = || {
-        let form = LeuvenForm::Modified;
-        Leuven::<3, f32>::try_new(form, &table3::blocks::<3>(), 0.9, 1.0, 100.0, SLIDING, u)
-            .expect("valid")
-    };
-    same("leuven", leuven, u, at, speed);
-    let hsieh = || {
-        let params = HsiehParams {
-            k1: 5_154.0,
-            k2: 202_640.0,
-            beta: 321_650.0,
-            viscous: 0.0,
-            creep: 500.0,
-            hardening: 31_200.0,
-            hardening_exponent: 3.22,
-        };
-        Hsieh::<f32>::try_new(&params, 50e-6, u).expect("valid")
-    };
-    same("hsieh", hsieh, u, at, speed);
+    for model in FrictionModel::one_of_each(0.9, 40e-6) {
+        let law = || built::<f32>(&model, u).expect("valid");
+        same(&format!("{model:?}"), law, u, at, speed);
+    }
     let with = || With::try_new(quasi(), push()).expect("fits");
     same("with an effect", with, u, at, speed);
     let learning = || Learnt::try_new(quasi(), &learns, u).expect("valid");

@@ -2,17 +2,15 @@
 //!
 //! The other units are powers of two, by which `f64` rounds alike.
 
+use crate::laws::{self, built};
 use preslide::control::learning::{Adaptation, MismatchWatch};
 use preslide::control::{
     Axis, Coefficients, Controller, Learning, LearningSettings, Measurement, Move, NoFriction,
     Observed, ObserverSettings, VelocitySource,
 };
-use preslide::{
-    BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, Leuven, LeuvenForm, LuGre,
-    ParamError, QuasiStaticGms, TwoState, Units,
-};
-use preslide_host_tests::path::{COUNT, SAMPLE_TIME, motion, random_reversals};
-use preslide_host_tests::table3::{BREAKAWAY, blocks, falling, hsieh};
+use preslide::{Coulomb, Friction, ParamError, QuasiStaticGms, Units};
+use preslide_host_tests::path::{COUNT, motion, random_reversals};
+use preslide_host_tests::table3::blocks;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -59,45 +57,14 @@ fn alike<M: Friction<Scalar = f64>>(
 
 #[test]
 fn a_model_is_the_same_in_other_units() {
-    let slides = || falling(0.8 * BREAKAWAY, 2_000.0);
     alike("Coulomb", None, |units| Coulomb::try_new(0.8, 30.0, units));
-    alike("quasi-static", Some(BREAKAWAY), |units| {
-        QuasiStaticGms::<6, f64>::try_new(&blocks::<6>(), BREAKAWAY, units)
-    });
-    alike("GMS", Some(BREAKAWAY), |units| {
-        Gms::<6, f64>::try_new(&blocks::<6>(), BREAKAWAY, slides(), SAMPLE_TIME, units)
-    });
-    // On either side of 1, and so near it that the equation is another.
-    for exponent in [0.4, 0.9999, 1.00001, 1.6] {
-        alike("Dahl", Some(BREAKAWAY), |units| {
-            Dahl::try_new(320_000.0, BREAKAWAY, exponent, units)
-        });
-    }
-    for (damping, limit) in [(0.0, Some(BREAKAWAY)), (300.0, None)] {
-        alike("LuGre", limit, |units| {
-            LuGre::try_new(195_000.0, damping, BREAKAWAY, slides(), units)
-        });
-        alike("elasto-plastic", limit, |units| {
-            ElastoPlastic::try_new(195_000.0, damping, 1.5e-6, BREAKAWAY, slides(), units)
-        });
-        for form in [LeuvenForm::Original, LeuvenForm::Modified] {
-            alike("Leuven", limit, |units| {
-                let blocks = blocks::<6>();
-                Leuven::<6, f64>::try_new(form, &blocks, BREAKAWAY, 2.0, damping, slides(), units)
-            });
-        }
-    }
-    alike("Bouc-Wen", Some(BREAKAWAY), |units| {
-        BoucWen::try_new(320_000.0, BREAKAWAY, 1.6, 0.75, units)
-    });
-    alike("two-state", Some(BREAKAWAY), |units| {
-        TwoState::try_new(35e-6, BREAKAWAY, slides(), SAMPLE_TIME, units)
-    });
-    for (viscous, creep) in [(0.0, 0.0), (40.0, 1e-7)] {
-        let params = hsieh(viscous, creep);
-        alike("Hsieh", None, |units| {
-            Hsieh::try_new(&params, SAMPLE_TIME, units)
-        });
+    for model in laws::all().iter().flat_map(|law| &law.models) {
+        let scalars = model.scalars();
+        let damped = scalars
+            .iter()
+            .any(|(key, value)| key.starts_with("damping") && *value > 0.0);
+        let limit = model.breakaway().filter(|_| !damped);
+        alike(&format!("{model:?}"), limit, |units| built(model, units));
     }
 }
 

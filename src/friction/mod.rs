@@ -1,7 +1,7 @@
 //! What every friction model is: motion in, force out; and the models, one a file.
 
 mod bouc_wen;
-mod condition;
+pub(crate) mod condition;
 mod coulomb;
 mod dahl;
 mod elasto_plastic;
@@ -17,7 +17,7 @@ mod two_state;
 use crate::Scalar;
 
 pub use bouc_wen::{BoucWen, BoucWenState};
-pub use condition::{Condition, NormalRange};
+use condition::Condition;
 pub use coulomb::Coulomb;
 pub use dahl::{Dahl, DahlState};
 pub use elasto_plastic::{ElastoPlastic, ElastoPlasticState};
@@ -54,6 +54,20 @@ impl<S: Scalar> Motion<S> {
 ///
 /// The force has the sign of the motion that it opposes: pushing in the positive direction gives a positive
 /// force, so adding it to a controller's output compensates friction.
+///
+/// | | model | memory |
+/// |---|---|---|
+/// | [`Gms`] | Generalized Maxwell-Slip, N blocks, sliding dynamics | non-local |
+/// | [`QuasiStaticGms`] | the same with `F_s = F_c`, exact for any displacement step | non-local |
+/// | [`Dahl`] | eq. (1) | one state |
+/// | [`LuGre`] | eqs. (2)–(3) | one state |
+/// | [`BoucWen`] | Dahl's law with its own shape on unloading | one state |
+/// | [`ElastoPlastic`] | LuGre that is purely elastic below breakaway | one state |
+/// | [`Leuven`] | Maxwell-slip hysteresis under a LuGre-like state, original and modified | non-local, leaks |
+/// | [`TwoState`] | elasto-plastic branch from the last reversal, lagging level | the last reversal |
+/// | [`Hsieh`] | eqs. (4)–(6) | non-local, creep |
+/// | [`Coulomb`] | `F_c·sgn v + b·v`, the baseline | none |
+/// | [`kernels`](crate::kernels) | the two Maxwell-slip laws in whole numbers, for a cycle budget | non-local |
 ///
 /// Models are compared where one takes the place of another: equal parameters keep the memory ([`Friction::take_over`]).
 pub trait Friction: Clone + PartialEq {

@@ -1,107 +1,22 @@
 //! The library's friction models, chosen at run time and run along a recording in `f64`.
 
 mod contact;
+mod law;
+mod laws;
+mod search;
 
 pub use contact::Tick;
+pub(crate) use law::{Curve, Law};
+pub(crate) use laws::with_keys;
+pub use laws::{Family, FrictionModel};
+pub use search::{Bounded, Span};
 
 use contact::{AtWork, Driven};
-use preslide::{
-    Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven,
-    LeuvenForm, LuGre, ParamError, QuasiStaticGms, Sliding, TwoState, Units,
-};
+use preslide::{Block, Friction, ParamError, Sliding, Units};
 use std::ops::Range;
 
 /// Most blocks that a model file may have.
 pub const MOST_BLOCKS: usize = 16;
-
-/// A friction model and its parameters, in SI.
-#[derive(Clone, Debug, PartialEq)]
-pub enum FrictionModel {
-    /// [`Coulomb`]; viscous friction is kept beside every model, see [`crate::model::Model`].
-    Coulomb {
-        /// `F_c` (N).
-        coulomb: f64,
-    },
-    /// [`Dahl`].
-    Dahl {
-        /// `σ0` (N/m).
-        stiffness: f64,
-        /// `F_c` (N).
-        coulomb: f64,
-        /// `n` (-).
-        exponent: f64,
-    },
-    /// [`LuGre`].
-    LuGre {
-        /// `σ0` (N/m).
-        stiffness: f64,
-        /// `σp` (N·s/m).
-        damping: f64,
-        /// `F_s` (N).
-        breakaway: f64,
-        /// Stribeck curve.
-        sliding: Sliding,
-    },
-    /// [`BoucWen`].
-    BoucWen {
-        /// `σ0` (N/m).
-        stiffness: f64,
-        /// `F_c` (N).
-        coulomb: f64,
-        /// `n` (-).
-        exponent: f64,
-        /// `σ` (-).
-        shape: f64,
-    },
-    /// [`ElastoPlastic`].
-    ElastoPlastic {
-        /// `σ0` (N/m).
-        stiffness: f64,
-        /// `σ1` (N·s/m).
-        damping: f64,
-        /// `z_ba` (m).
-        elastic: f64,
-        /// `F_s` (N).
-        breakaway: f64,
-        /// Stribeck curve.
-        sliding: Sliding,
-    },
-    /// [`Leuven`].
-    Leuven {
-        /// State equation.
-        form: LeuvenForm,
-        /// `F_s` (N).
-        breakaway: f64,
-        /// 1…[`MOST_BLOCKS`] blocks.
-        blocks: Vec<Block>,
-        /// `n` (-).
-        exponent: f64,
-        /// `σ1` (N·s/m).
-        damping: f64,
-        /// Stribeck curve.
-        sliding: Sliding,
-    },
-    /// [`TwoState`].
-    TwoState {
-        /// `s` (m).
-        distance: f64,
-        /// `F_s` (N).
-        breakaway: f64,
-        /// Stribeck curve and lag.
-        sliding: Sliding,
-    },
-    /// [`Hsieh`].
-    Hsieh(HsiehParams),
-    /// [`QuasiStaticGms`], or [`Gms`] where `sliding` is given.
-    Gms {
-        /// `F_s` (N).
-        breakaway: f64,
-        /// 1…[`MOST_BLOCKS`] blocks.
-        blocks: Vec<Block>,
-        /// Stribeck curve and lag; `None` for the quasi-static law.
-        sliding: Option<Sliding>,
-    },
-}
 
 /// A motion to run a model along.
 #[derive(Clone, Copy)]
@@ -137,77 +52,53 @@ pub trait Visitor<S = f64> {
     ) -> Self::Outcome;
 }
 
-/// Calls `$body` with `$n` bound to a constant equal to the number of blocks.
-macro_rules! with_blocks {
-    ($blocks:expr, $array:ident => $body:expr, [$($n:literal)*]) => {
-        match $blocks.len() {
-            $($n => {
-                let mut $array = [preslide::Block { stiffness: 0.0, weight: 0.0 }; $n];
-                $array.copy_from_slice($blocks);
-                $body
-            })*
-            other => Err(preslide::ParamError::new("number of blocks", other as f64, preslide::Bound::AtMost(MOST_BLOCKS as f64))),
-        }
-    };
-}
-
 impl FrictionModel {
     /// Its name in tables.
     pub fn name(&self) -> String {
-        match self {
-            Self::Coulomb { .. } => "Coulomb + viscous".to_owned(),
-            Self::Dahl { exponent: 1.0, .. } => "Dahl, n = 1".to_owned(),
-            Self::Dahl { .. } => "Dahl".to_owned(),
-            Self::LuGre { .. } => "LuGre".to_owned(),
-            Self::BoucWen { .. } => "Bouc-Wen".to_owned(),
-            Self::ElastoPlastic { .. } => "elasto-plastic".to_owned(),
-            Self::Leuven {
-                form: LeuvenForm::Modified,
-                ..
-            } => "Leuven".to_owned(),
-            Self::Leuven { .. } => "Leuven, original".to_owned(),
-            Self::TwoState { .. } => "two-state".to_owned(),
-            Self::Hsieh(_) => "Hsieh".to_owned(),
-            Self::Gms { blocks, .. } => format!("GMS, N = {}", blocks.len()),
-        }
+        self.clone().law().name
     }
 
     /// Its name in model files and tables.
     pub fn kind(&self) -> &'static str {
-        match self {
-            Self::Coulomb { .. } => "coulomb",
-            Self::Dahl { .. } => "dahl",
-            Self::LuGre { .. } => "lugre",
-            Self::BoucWen { .. } => "bouc_wen",
-            Self::ElastoPlastic { .. } => "elasto_plastic",
-            Self::Leuven {
-                form: LeuvenForm::Modified,
-                ..
-            } => "leuven",
-            Self::Leuven {
-                form: LeuvenForm::Original,
-                ..
-            } => "leuven_original",
-            Self::TwoState { .. } => "two_state",
-            Self::Hsieh(_) => "hsieh",
-            Self::Gms { .. } => "gms",
+        self.clone().law().kind
+    }
+
+    /// The scalar parameters by their keys on a linear axis; those of the Stribeck curve last.
+    pub fn scalars(&self) -> Vec<(&'static str, f64)> {
+        let mut copy = self.clone();
+        let own = copy.law().scalars.into_iter();
+        let mut scalars: Vec<_> = own.map(|(key, value)| (key, *value)).collect();
+        if let Some(sliding) = self.sliding() {
+            scalars.extend([
+                ("coulomb_N", sliding.coulomb),
+                ("stribeck_velocity_m_s", sliding.stribeck_velocity),
+                ("stribeck_exponent", sliding.stribeck_exponent),
+                ("attraction_N_per_s", sliding.attraction),
+            ]);
         }
+        scalars
+    }
+
+    /// Number of parameters to identify, a Stribeck curve's exponent and lag taken as known; weights sum to one.
+    pub fn parameter_count(&self) -> usize {
+        let curve = 2 * usize::from(self.sliding().is_some());
+        let blocks = (2 * self.blocks().len()).saturating_sub(1);
+        self.clone().law().scalars.len() + blocks + curve
     }
 
     /// The same at `factor` times the force, its displacements and velocities as they are; `None` where the library bounds no such force.
     pub fn scaled(&self, factor: f64) -> Option<Self> {
+        self.breakaway()?;
         let mut scaled = self.clone();
-        if let Self::Hsieh(_) = scaled {
-            return None;
-        }
-        for (key, value) in scaled.own_scalars() {
+        let law = scaled.law();
+        for (key, value) in law.scalars {
             if key.contains("_N") {
                 *value *= factor;
             }
         }
-        let (blocks, sliding) = scaled.shape();
-        blocks.iter_mut().for_each(|b| b.stiffness *= factor);
-        if let Some(sliding) = sliding {
+        let blocks = law.blocks.into_iter().flatten();
+        blocks.for_each(|b| b.stiffness *= factor);
+        if let Some(sliding) = law.curve.given() {
             sliding.coulomb *= factor;
             sliding.attraction *= factor;
         }
@@ -218,139 +109,40 @@ impl FrictionModel {
     /// law has no such curve.
     pub fn along(&self, curve: impl Fn(f64) -> Sliding) -> Option<Self> {
         let (mut other, curve) = (self.clone(), curve(self.breakaway()?));
-        if let Self::Gms { sliding, .. } = &mut other {
-            *sliding = Some(curve);
-            return Some(other);
+        match other.law().curve {
+            Curve::None => return None,
+            Curve::Always(sliding) => *sliding = curve,
+            Curve::Optional(sliding) => *sliding = Some(curve),
         }
-        *other.shape().1? = curve;
-        let mut scalars = other.own_scalars().into_iter();
-        if let Some((_, damping)) = scalars.find(|(key, _)| key.starts_with("damping")) {
+        if let Some(damping) = other.damping() {
             *damping = 0.0;
         }
         Some(other)
     }
 
-    /// Blocks and Stribeck curve, of the kinds that have them.
-    fn shape(&mut self) -> (&mut [Block], Option<&mut Sliding>) {
-        match self {
-            Self::LuGre { sliding, .. }
-            | Self::ElastoPlastic { sliding, .. }
-            | Self::TwoState { sliding, .. } => (&mut [], Some(sliding)),
-            Self::Leuven {
-                blocks, sliding, ..
-            } => (blocks, Some(sliding)),
-            Self::Gms {
-                blocks, sliding, ..
-            } => (blocks, sliding.as_mut()),
-            Self::Coulomb { .. } | Self::Dahl { .. } | Self::BoucWen { .. } | Self::Hsieh(_) => {
-                (&mut [], None)
-            }
-        }
+    /// A viscous term of its own.
+    fn damping(&mut self) -> Option<&mut f64> {
+        let mut scalars = self.law().scalars.into_iter();
+        let damping = scalars.find(|(key, _)| is_damping(key));
+        damping.map(|(_, value)| value)
+    }
+
+    /// The key of the force at which the body breaks away, and that force (N), where the model has such a parameter.
+    pub fn level(&self) -> Option<(&'static str, f64)> {
+        let mut copy = self.clone();
+        let mut scalars = copy.law().scalars.into_iter();
+        let level = scalars.find(|(key, _)| matches!(*key, "breakaway_N" | "coulomb_N"));
+        level.map(|(key, value)| (key, *value))
     }
 
     /// The force (N) at which the body breaks away, where the model has such a parameter.
     pub fn breakaway(&self) -> Option<f64> {
-        match self {
-            Self::Coulomb { coulomb }
-            | Self::Dahl { coulomb, .. }
-            | Self::BoucWen { coulomb, .. } => Some(*coulomb),
-            Self::LuGre { breakaway, .. }
-            | Self::ElastoPlastic { breakaway, .. }
-            | Self::Leuven { breakaway, .. }
-            | Self::TwoState { breakaway, .. }
-            | Self::Gms { breakaway, .. } => Some(*breakaway),
-            Self::Hsieh(_) => None,
-        }
-    }
-
-    /// The blocks of the kinds that are made of them; none for the others.
-    pub fn blocks(&self) -> &[Block] {
-        match self {
-            Self::Gms { blocks, .. } | Self::Leuven { blocks, .. } => blocks,
-            _ => &[],
-        }
+        self.level().map(|(_, force)| force)
     }
 
     /// The Stribeck curve, where the model has one.
     pub fn sliding(&self) -> Option<Sliding> {
-        self.clone().shape().1.copied()
-    }
-
-    /// One model of every kind, of forces in units of `f` newtons and lengths in units of `l` metres.
-    pub fn one_of_each(f: f64, l: f64) -> Vec<Self> {
-        let (stiffness, damping, breakaway) = (8.0 * f / l, 0.02 * f / l, f);
-        let blocks = || {
-            [(5.0, 0.5), (2.0, 0.3), (0.5, 0.2)]
-                .map(|(k, weight)| Block {
-                    stiffness: k * f / l,
-                    weight,
-                })
-                .to_vec()
-        };
-        let sliding = Sliding {
-            coulomb: 0.8 * f,
-            stribeck_velocity: 3.0 * l,
-            stribeck_exponent: 2.0,
-            attraction: 50.0 * f,
-        };
-        let leuven = |form| Self::Leuven {
-            form,
-            breakaway,
-            blocks: blocks(),
-            exponent: 1.5,
-            damping,
-            sliding,
-        };
-        let gms = |sliding| Self::Gms {
-            breakaway,
-            blocks: blocks(),
-            sliding,
-        };
-        vec![
-            Self::Coulomb { coulomb: f },
-            Self::Dahl {
-                stiffness,
-                coulomb: f,
-                exponent: 1.3,
-            },
-            Self::LuGre {
-                stiffness,
-                damping,
-                breakaway,
-                sliding,
-            },
-            Self::BoucWen {
-                stiffness,
-                coulomb: f,
-                exponent: 1.2,
-                shape: 0.7,
-            },
-            Self::ElastoPlastic {
-                stiffness,
-                damping,
-                elastic: 0.04 * l,
-                breakaway,
-                sliding,
-            },
-            leuven(LeuvenForm::Modified),
-            leuven(LeuvenForm::Original),
-            Self::TwoState {
-                distance: 0.2 * l,
-                breakaway,
-                sliding,
-            },
-            Self::Hsieh(HsiehParams {
-                k1: 0.2 * f / l,
-                k2: 6.0 * f / l,
-                beta: 7.0 / l,
-                viscous: 0.0,
-                creep: 5.0,
-                hardening: 40.0 * f * f / l,
-                hardening_exponent: 2.0,
-            }),
-            gms(None),
-            gms(Some(sliding)),
-        ]
+        self.clone().law().curve.given().copied()
     }
 
     /// A quasi-static GMS from stiffnesses (N/m) and yield displacements (m).
@@ -415,83 +207,13 @@ impl FrictionModel {
         sample_time: f64,
         visitor: V,
     ) -> Result<V::Outcome, ParamError> {
-        let units = Units::SI;
-        Ok(match self {
-            Self::Coulomb { coulomb } => {
-                visitor.visit(Coulomb::<f64>::try_new(*coulomb, 0.0, units)?)
-            }
-            Self::Dahl {
-                stiffness,
-                coulomb,
-                exponent,
-            } => visitor.visit(Dahl::<f64>::try_new(
-                *stiffness, *coulomb, *exponent, units,
-            )?),
-            Self::LuGre {
-                stiffness,
-                damping,
-                breakaway,
-                sliding,
-            } => visitor.visit(LuGre::<f64>::try_new(
-                *stiffness, *damping, *breakaway, *sliding, units,
-            )?),
-            Self::BoucWen {
-                stiffness,
-                coulomb,
-                exponent,
-                shape,
-            } => visitor.visit(BoucWen::<f64>::try_new(
-                *stiffness, *coulomb, *exponent, *shape, units,
-            )?),
-            Self::ElastoPlastic {
-                stiffness,
-                damping,
-                elastic,
-                breakaway,
-                sliding,
-            } => visitor.visit(ElastoPlastic::<f64>::try_new(
-                *stiffness, *damping, *elastic, *breakaway, *sliding, units,
-            )?),
-            Self::Leuven {
-                form,
-                breakaway,
-                blocks,
-                exponent,
-                damping,
-                sliding,
-            } => with_blocks!(blocks, array => Ok(visitor.visit(Leuven::<_, f64>::try_new(
-                *form, &array, *breakaway, *exponent, *damping, *sliding, units,
-            )?)), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?,
-            Self::TwoState {
-                distance,
-                breakaway,
-                sliding,
-            } => visitor.visit(TwoState::<f64>::try_new(
-                *distance,
-                *breakaway,
-                *sliding,
-                sample_time,
-                units,
-            )?),
-            Self::Hsieh(params) => {
-                visitor.visit(Hsieh::<f64>::try_new(params, sample_time, units)?)
-            }
-            Self::Gms {
-                breakaway,
-                blocks,
-                sliding: None,
-            } => with_blocks!(blocks, array => Ok(visitor.visit(QuasiStaticGms::<_, f64>::try_new(
-                &array, *breakaway, units,
-            )?)), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?,
-            Self::Gms {
-                breakaway,
-                blocks,
-                sliding: Some(sliding),
-            } => with_blocks!(blocks, array => Ok(visitor.visit(Gms::<_, f64>::try_new(
-                &array, *breakaway, *sliding, sample_time, units,
-            )?)), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?,
-        })
+        self.visit_in(sample_time, Units::SI, visitor)
     }
+}
+
+/// What a viscous term of a law's own is called; a file may leave it out.
+pub(crate) fn is_damping(key: &str) -> bool {
+    key.starts_with("damping")
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! `[friction]`: its keys, and the friction model that they describe.
 
-use crate::friction::{FrictionModel, MOST_BLOCKS};
-use preslide::{Block, HsiehParams, LeuvenForm, Sliding};
+use crate::friction::{Curve, FrictionModel, Law, MOST_BLOCKS, is_damping, with_keys};
+use preslide::{Block, Sliding};
 use serde::Deserialize;
 
 /// The scalar keys that belong to one kind or another.
@@ -19,19 +19,16 @@ macro_rules! keys {
         }
 
         impl FrictionToml {
-            /// Those that the file has.
-            fn given(&self) -> impl Iterator<Item = &'static str> {
+            /// Those that the file has, with their values.
+            fn given(&self) -> impl Iterator<Item = (&'static str, f64)> {
                 let keys = [$((stringify!($key), self.$key)),*];
-                keys.into_iter().filter_map(|(key, value)| value.map(|_| key))
+                keys.into_iter().filter_map(|(key, value)| Some((key, value?)))
             }
         }
     };
 }
 
-keys! {
-    breakaway_N coulomb_N stribeck_velocity_m_s stribeck_exponent attraction_N_per_s stiffness_N_per_m exponent damping_N_s_per_m
-    k1_N_per_m k2_N_per_m beta_per_m creep_per_s hardening hardening_exponent shape elastic_m presliding_m
-}
+with_keys! { keys }
 
 #[derive(Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -47,107 +44,60 @@ type Wrong = (&'static str, String);
 impl FrictionToml {
     /// The model that the keys describe, or the key that is wrong and why.
     pub(super) fn model(&self) -> Result<FrictionModel, Wrong> {
-        let model = match self.kind.as_str() {
-            "coulomb" => FrictionModel::Coulomb {
-                coulomb: self.coulomb()?,
-            },
-            "dahl" => FrictionModel::Dahl {
-                stiffness: self.stiffness()?,
-                coulomb: self.coulomb()?,
-                exponent: self.exponent()?,
-            },
-            "bouc_wen" => FrictionModel::BoucWen {
-                stiffness: self.stiffness()?,
-                coulomb: self.coulomb()?,
-                exponent: self.exponent()?,
-                shape: self.need("shape", self.shape)?,
-            },
-            "hsieh" => self.hsieh()?,
-            "lugre" | "elasto_plastic" | "leuven" | "leuven_original" | "two_state" | "gms" => {
-                self.with_stribeck(self.need("breakaway_N", self.breakaway_N)?)?
-            }
-            other => {
-                let reason = format!(
-                    "\"{other}\" is not known; use coulomb, dahl, bouc_wen, lugre, elasto_plastic, leuven, leuven_original, two_state, hsieh or gms"
-                );
-                return Err(("kind", reason));
-            }
+        // One of its law, whose every parameter is then replaced.
+        let all = FrictionModel::one_of_each(1.0, 1.0);
+        let mut kinds: Vec<&str> = all.iter().map(FrictionModel::kind).collect();
+        kinds.dedup();
+        let of_kind = all.iter().find(|model| model.kind() == self.kind);
+        let Some(mut model) = of_kind.cloned() else {
+            let last = kinds.pop().unwrap_or_default();
+            let (other, kinds) = (&self.kind, kinds.join(", "));
+            let reason = format!("\"{other}\" is not known; use {kinds} or {last}");
+            return Err(("kind", reason));
         };
+        let Law {
+            mut scalars,
+            blocks,
+            curve,
+            ..
+        } = model.law();
+        // What follows from the breakaway force comes after it.
+        scalars.sort_by_key(|(key, _)| *key != "breakaway_N");
+        let mut scalars = scalars.into_iter().peekable();
+        let mut breakaway = 0.0;
+        if let Some((key, force)) = scalars.next_if(|(key, _)| *key == "breakaway_N") {
+            *force = self.need(key)?;
+            breakaway = *force;
+        }
+        if let Some(blocks) = blocks {
+            *blocks = self.blocks()?;
+        }
+        for (key, value) in scalars {
+            *value = match self.value(key) {
+                None if is_damping(key) => 0.0,
+                _ => self.need(key)?,
+            };
+        }
+        match curve {
+            Curve::None => {}
+            Curve::Always(sliding) => {
+                *sliding = self.sliding(breakaway)?.unwrap_or(Sliding::none(breakaway));
+            }
+            Curve::Optional(sliding) => *sliding = self.sliding(breakaway)?,
+        }
         self.nothing_unused(&model)?;
         Ok(model)
     }
 
-    fn hsieh(&self) -> Result<FrictionModel, Wrong> {
-        Ok(FrictionModel::Hsieh(HsiehParams {
-            k1: self.need("k1_N_per_m", self.k1_N_per_m)?,
-            k2: self.need("k2_N_per_m", self.k2_N_per_m)?,
-            beta: self.need("beta_per_m", self.beta_per_m)?,
-            viscous: self.damping(),
-            creep: self.need("creep_per_s", self.creep_per_s)?,
-            hardening: self.need("hardening", self.hardening)?,
-            hardening_exponent: self.need("hardening_exponent", self.hardening_exponent)?,
-        }))
+    fn value(&self, key: &str) -> Option<f64> {
+        self.given()
+            .find(|(name, _)| *name == key)
+            .map(|(_, value)| value)
     }
 
-    /// The kinds that slide along a Stribeck curve after they broke away at `breakaway` (N).
-    fn with_stribeck(&self, breakaway: f64) -> Result<FrictionModel, Wrong> {
-        let curve = || Ok::<_, Wrong>(self.sliding(breakaway)?.unwrap_or(Sliding::none(breakaway)));
-        Ok(match self.kind.as_str() {
-            "lugre" => FrictionModel::LuGre {
-                stiffness: self.stiffness()?,
-                damping: self.damping(),
-                breakaway,
-                sliding: curve()?,
-            },
-            "elasto_plastic" => FrictionModel::ElastoPlastic {
-                stiffness: self.stiffness()?,
-                damping: self.damping(),
-                elastic: self.need("elastic_m", self.elastic_m)?,
-                breakaway,
-                sliding: curve()?,
-            },
-            "two_state" => FrictionModel::TwoState {
-                distance: self.need("presliding_m", self.presliding_m)?,
-                breakaway,
-                sliding: curve()?,
-            },
-            "gms" => FrictionModel::Gms {
-                breakaway,
-                blocks: self.blocks()?,
-                sliding: self.sliding(breakaway)?,
-            },
-            leuven => FrictionModel::Leuven {
-                form: match leuven {
-                    "leuven_original" => LeuvenForm::Original,
-                    _ => LeuvenForm::Modified,
-                },
-                breakaway,
-                blocks: self.blocks()?,
-                exponent: self.exponent()?,
-                damping: self.damping(),
-                sliding: curve()?,
-            },
-        })
-    }
-
-    fn need(&self, key: &'static str, value: Option<f64>) -> Result<f64, Wrong> {
-        value.ok_or_else(|| (key, format!("missing; kind = \"{}\" needs it", self.kind)))
-    }
-
-    fn stiffness(&self) -> Result<f64, Wrong> {
-        self.need("stiffness_N_per_m", self.stiffness_N_per_m)
-    }
-
-    fn coulomb(&self) -> Result<f64, Wrong> {
-        self.need("coulomb_N", self.coulomb_N)
-    }
-
-    fn exponent(&self) -> Result<f64, Wrong> {
-        self.need("exponent", self.exponent)
-    }
-
-    fn damping(&self) -> f64 {
-        self.damping_N_s_per_m.unwrap_or(0.0)
+    fn need(&self, key: &'static str) -> Result<f64, Wrong> {
+        let missing = || (key, format!("missing; kind = \"{}\" needs it", self.kind));
+        self.value(key).ok_or_else(missing)
     }
 
     /// A key that the kind does not have would be a parameter that is silently not used.
@@ -158,9 +108,9 @@ impl FrictionToml {
             return Err(("blocks", reason));
         }
         let used = model.scalars();
-        let unused = |key: &&str| !used.iter().any(|(name, _)| name == key);
+        let unused = |(key, _): &(&str, f64)| !used.iter().any(|(name, _)| name == key);
         match self.given().find(unused) {
-            Some(key) => Err((key, format!("kind = \"{kind}\" does not use it; remove it"))),
+            Some((key, _)) => Err((key, format!("kind = \"{kind}\" does not use it; remove it"))),
             None => Ok(()),
         }
     }
@@ -202,98 +152,6 @@ impl FrictionToml {
                 "coulomb_N",
                 "missing; needed because stribeck_velocity_m_s is given".to_owned(),
             )),
-        }
-    }
-}
-
-impl FrictionModel {
-    /// The scalar parameters by their keys on a linear axis; those of the Stribeck curve last.
-    pub fn scalars(&self) -> Vec<(&'static str, f64)> {
-        let mut copy = self.clone();
-        let own = copy.own_scalars().into_iter();
-        let mut scalars: Vec<_> = own.map(|(key, value)| (key, *value)).collect();
-        if let Some(sliding) = self.sliding() {
-            scalars.extend([
-                ("coulomb_N", sliding.coulomb),
-                ("stribeck_velocity_m_s", sliding.stribeck_velocity),
-                ("stribeck_exponent", sliding.stribeck_exponent),
-                ("attraction_N_per_s", sliding.attraction),
-            ]);
-        }
-        scalars
-    }
-
-    /// Those beside the Stribeck curve.
-    pub(crate) fn own_scalars(&mut self) -> Vec<(&'static str, &mut f64)> {
-        match self {
-            Self::Coulomb { coulomb } => vec![("coulomb_N", coulomb)],
-            Self::Dahl {
-                stiffness,
-                coulomb,
-                exponent,
-            } => vec![
-                ("stiffness_N_per_m", stiffness),
-                ("coulomb_N", coulomb),
-                ("exponent", exponent),
-            ],
-            Self::LuGre {
-                stiffness,
-                damping,
-                breakaway,
-                ..
-            } => vec![
-                ("stiffness_N_per_m", stiffness),
-                ("damping_N_s_per_m", damping),
-                ("breakaway_N", breakaway),
-            ],
-            Self::BoucWen {
-                stiffness,
-                coulomb,
-                exponent,
-                shape,
-            } => vec![
-                ("stiffness_N_per_m", stiffness),
-                ("coulomb_N", coulomb),
-                ("exponent", exponent),
-                ("shape", shape),
-            ],
-            Self::ElastoPlastic {
-                stiffness,
-                damping,
-                elastic,
-                breakaway,
-                ..
-            } => vec![
-                ("stiffness_N_per_m", stiffness),
-                ("damping_N_s_per_m", damping),
-                ("elastic_m", elastic),
-                ("breakaway_N", breakaway),
-            ],
-            Self::Leuven {
-                breakaway,
-                exponent,
-                damping,
-                ..
-            } => vec![
-                ("breakaway_N", breakaway),
-                ("exponent", exponent),
-                ("damping_N_s_per_m", damping),
-            ],
-            Self::TwoState {
-                distance,
-                breakaway,
-                ..
-            } => vec![("presliding_m", distance), ("breakaway_N", breakaway)],
-            Self::Hsieh(p) => vec![
-                ("k1_N_per_m", &mut p.k1),
-                ("k2_N_per_m", &mut p.k2),
-                ("beta_per_m", &mut p.beta),
-                ("damping_N_s_per_m", &mut p.viscous),
-                ("creep_per_s", &mut p.creep),
-                ("hardening", &mut p.hardening),
-                ("hardening_exponent", &mut p.hardening_exponent),
-            ],
-            Self::Gms { breakaway, .. } => vec![("breakaway_N", breakaway)],
         }
     }
 }

@@ -24,50 +24,27 @@ pub struct SlidesAway {
 /// # Errors
 /// [`ParamError`] where the library refuses a parameter.
 pub fn inverse(model: &FrictionModel, sample_time: f64) -> Result<Box<dyn Inverse>, ParamError> {
-    let of_blocks = |blocks: &[Block], breakaway: f64| {
-        let yields = blocks.iter().map(|b| b.yield_displacement(breakaway));
-        yields.fold(f64::INFINITY, f64::min)
-    };
-    let (scale, time) = match *model {
-        FrictionModel::Coulomb { coulomb } => return Ok(Box::new(Rigid { limit: coulomb })),
-        FrictionModel::Gms {
-            breakaway,
-            ref blocks,
-            ..
-        } => {
-            let block = |b: &Block| SlipBlock {
-                stiffness: b.stiffness,
-                limit: b.yield_displacement(breakaway),
-                deflection: 0.0,
-            };
-            let blocks = blocks.iter().map(block).collect();
-            return Ok(Box::new(MaxwellSlip { blocks }));
-        }
-        FrictionModel::Dahl {
-            stiffness, coulomb, ..
-        }
-        | FrictionModel::BoucWen {
-            stiffness, coulomb, ..
-        } => (coulomb / stiffness, sample_time),
-        FrictionModel::LuGre {
-            stiffness,
-            breakaway,
-            ..
-        }
-        | FrictionModel::ElastoPlastic {
-            stiffness,
-            breakaway,
-            ..
-        } => (breakaway / stiffness, sample_time),
-        FrictionModel::Leuven {
-            breakaway,
-            ref blocks,
-            ..
-        } => (of_blocks(blocks, breakaway), sample_time),
-        FrictionModel::TwoState { distance, .. } => (distance, sample_time.min(1.0)),
-        FrictionModel::Hsieh(ref params) => (1.0 / params.beta, sample_time),
-    };
+    if let FrictionModel::Coulomb { coulomb } = *model {
+        return Ok(Box::new(Rigid { limit: coulomb }));
+    }
+    if let FrictionModel::Gms {
+        breakaway,
+        ref blocks,
+        ..
+    } = *model
+    {
+        let block = |b: &Block| SlipBlock {
+            stiffness: b.stiffness,
+            limit: b.yield_displacement(breakaway),
+            deflection: 0.0,
+        };
+        let blocks = blocks.iter().map(block).collect();
+        return Ok(Box::new(MaxwellSlip { blocks }));
+    }
+    let scale = model.clone().law().length;
     let timed = matches!(model, FrictionModel::Hsieh(_)).then_some(sample_time);
+    // The others take the time for their lag alone, which is none at rest.
+    let time = timed.unwrap_or(sample_time.min(1.0));
     // At rest the level is the breakaway force, and nothing is damped.
     let still = model.along(Sliding::none);
     let still = still.as_ref().unwrap_or(model);

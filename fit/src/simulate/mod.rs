@@ -288,12 +288,6 @@ fn time_dependence(model: &Model) -> Vec<String> {
         FrictionModel::Coulomb { .. } => notes.push(
             "Coulomb friction has no pre-sliding: the body does not move below the Coulomb force".to_owned(),
         ),
-        FrictionModel::Dahl { .. } | FrictionModel::BoucWen { .. } => {}
-        FrictionModel::ElastoPlastic { .. }
-        | FrictionModel::Leuven { .. }
-        | FrictionModel::TwoState { .. } => notes.push(
-            "The model in its quasi-static limit: damping, Stribeck effect and lag vanish with the velocity, so time does not enter".to_owned(),
-        ),
         FrictionModel::LuGre { .. } => notes.push(
             "LuGre in the quasi-static limit: σp·dz/dt and the Stribeck effect vanish with the velocity, so time does not enter".to_owned(),
         ),
@@ -303,7 +297,10 @@ fn time_dependence(model: &Model) -> Vec<String> {
         FrictionModel::Gms { sliding: Some(_), .. } => notes.push(
             "GMS in the quasi-static limit: blocks slip at α_i·F_s, the Stribeck effect and frictional lag begin with sliding, so time does not enter".to_owned(),
         ),
-        FrictionModel::Gms { sliding: None, .. } => {}
+        other if other.sliding().is_some() => notes.push(
+            "The model in its quasi-static limit: damping, Stribeck effect and lag vanish with the velocity, so time does not enter".to_owned(),
+        ),
+        _ => {}
     }
     if model.inertia > 0.0 || model.viscous != 0.0 || !model.effects.is_empty() {
         notes.push(

@@ -1,36 +1,19 @@
 //! What one update of a model costs on a Cortex-M4F in `f32`.
 
 use crate::cost::{Cost, CostTable};
-use preslide::LeuvenForm;
 use preslide_fit::friction::FrictionModel;
 use std::sync::LazyLock;
 
 /// Kernel and number of blocks under which the table lists a model in `f32`.
-fn kernel(model: &FrictionModel) -> (&'static str, usize) {
-    match model {
-        FrictionModel::Coulomb { .. } => ("coulomb_f32", 1),
+fn kernel(model: &FrictionModel) -> (String, usize) {
+    let law = match model {
         // The library drops the powers where n is 1.
-        FrictionModel::Dahl { exponent, .. } if (exponent - 1.0).abs() < 1e-4 => ("dahl_n1_f32", 1),
-        FrictionModel::Dahl { .. } => ("dahl_n1.6_f32", 1),
-        FrictionModel::LuGre { .. } => ("lugre_f32", 1),
-        FrictionModel::BoucWen { .. } => ("bouc_wen_f32", 1),
-        FrictionModel::ElastoPlastic { .. } => ("elasto_plastic_f32", 1),
-        FrictionModel::Leuven { form, blocks, .. } => (
-            match form {
-                LeuvenForm::Modified => "leuven_f32",
-                LeuvenForm::Original => "leuven_original_f32",
-            },
-            blocks.len(),
-        ),
-        FrictionModel::TwoState { .. } => ("two_state_f32", 1),
-        FrictionModel::Hsieh(_) => ("hsieh_f32", 1),
-        FrictionModel::Gms {
-            blocks,
-            sliding: None,
-            ..
-        } => ("quasi_static_f32", blocks.len()),
-        FrictionModel::Gms { blocks, .. } => ("gms_f32", blocks.len()),
-    }
+        FrictionModel::Dahl { exponent, .. } if (exponent - 1.0).abs() < 1e-4 => "dahl_n1",
+        FrictionModel::Dahl { .. } => "dahl_n1.6",
+        FrictionModel::Gms { sliding: None, .. } => "quasi_static",
+        other => other.kind(),
+    };
+    (format!("{law}_f32"), model.blocks().len().max(1))
 }
 
 /// The cost of `model` in `f32`, or `None` where it was not measured.
@@ -38,7 +21,7 @@ pub fn cost(model: &FrictionModel) -> Option<Cost> {
     static CORTEX_M4: LazyLock<Option<CostTable>> =
         LazyLock::new(|| CostTable::of_cpu("cortex-m4").ok());
     let (kernel, blocks) = kernel(model);
-    CORTEX_M4.as_ref()?.cost(kernel, blocks)
+    CORTEX_M4.as_ref()?.cost(&kernel, blocks)
 }
 
 #[cfg(test)]

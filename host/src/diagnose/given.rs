@@ -9,7 +9,6 @@ use super::null_model::{Hypothesis, Nmse, NullModel};
 use super::term::{Subject, Term};
 use super::weak::Column;
 use preslide_fit::effects::form;
-use preslide_fit::friction::FrictionModel;
 use preslide_fit::model::Model;
 use preslide_fit::recording::Recording;
 use preslide_fit::statistics::{Estimate, jackknife};
@@ -219,9 +218,9 @@ fn shares(null: &NullModel, recording: &Recording, model: &Model) -> Option<Vec<
         mechanics: Vec::new(),
         ..Model::of_friction(model.motion, model.friction.clone())
     };
-    if let Some(level) = model.friction.breakaway() {
+    if let Some((key, level)) = model.friction.level() {
         let force = at_rows(effort_of(&friction, recording).ok()?);
-        add(Part::Level, level_key(&model.friction), level, force);
+        add(Part::Level, key, level, force);
     }
     if model.viscous != 0.0 {
         let force = rows.s.v.iter().map(|v| model.viscous * v).collect();
@@ -259,15 +258,6 @@ fn shares(null: &NullModel, recording: &Recording, model: &Model) -> Option<Vec<
     }
     shares.retain(|s| s.given != 0.0 && s.force.iter().any(|f| *f != 0.0));
     Some(shares)
-}
-
-fn level_key(friction: &FrictionModel) -> &'static str {
-    match friction {
-        FrictionModel::Coulomb { .. }
-        | FrictionModel::Dahl { .. }
-        | FrictionModel::BoucWen { .. } => "coulomb_N",
-        _ => "breakaway_N",
-    }
 }
 
 /// The parameters fitted by least squares: a wrong shape misleads a fit that trusts its noise model.

@@ -96,7 +96,6 @@ fn no_refused(model: &Model) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use preslide::{Block, HsiehParams, Sliding};
     use preslide_fit::friction::FrictionModel;
     use preslide_fit::model::Model;
     use preslide_fit::recording::MotionKind;
@@ -113,76 +112,31 @@ mod tests {
         rust_source(model, &options)
     }
 
-    /// The code of every kind is compiled in `tests/export.rs`; here, that the right constructor is chosen.
+    /// The constructor that is written is the one that `fit` calls, whose code is compiled in `tests/export.rs`; here, that it is complete.
     #[test]
     fn every_kind_of_friction_has_its_type() {
-        let sliding = Sliding {
-            coulomb: 0.7,
-            stribeck_velocity: 0.01,
-            stribeck_exponent: 2.0,
-            attraction: f64::INFINITY,
-        };
-        let blocks = vec![Block {
-            stiffness: 1e4,
-            weight: 1.0,
-        }];
-        for (friction, parts) in [
-            (
-                FrictionModel::Coulomb { coulomb: 0.9 },
-                &["= ::preslide::Coulomb<S>"][..],
-            ),
-            (
-                FrictionModel::Dahl {
-                    stiffness: 1e5,
-                    coulomb: 0.9,
-                    exponent: 1.0,
-                },
-                &[
-                    "= ::preslide::Dahl<S>",
-                    "DAHL_STIFFNESS_N_PER_M: f64 = 100000.0",
-                ],
-            ),
-            (
-                FrictionModel::LuGre {
-                    stiffness: 1e5,
-                    damping: 3.0,
-                    breakaway: 0.9,
-                    sliding,
-                },
-                &["= ::preslide::LuGre<S>", "f64 = f64::INFINITY"],
-            ),
-            (
-                FrictionModel::Hsieh(HsiehParams {
-                    k1: 1.0,
-                    k2: 2.0,
-                    beta: 3.0,
-                    viscous: 0.0,
-                    creep: 0.1,
-                    hardening: 0.2,
-                    hardening_exponent: 1.0,
-                }),
-                &["= ::preslide::Hsieh<S>"],
-            ),
-            (
-                FrictionModel::Gms {
-                    breakaway: 0.9,
-                    blocks: blocks.clone(),
-                    sliding: None,
-                },
-                &["= ::preslide::QuasiStaticGms<1, S>", "_sample_time: f64"],
-            ),
-            (
-                FrictionModel::Gms {
-                    breakaway: 0.9,
-                    blocks,
-                    sliding: Some(sliding),
-                },
-                &["= ::preslide::Gms<1, S>", "    sample_time: f64"],
-            ),
-        ] {
+        for friction in FrictionModel::one_of_each(0.9, 1e-5) {
+            let (law, arguments) = friction.constructor();
+            let timed = arguments.contains(&"sample_time");
+            let sizes = friction.blocks().len();
+            let kind = match sizes {
+                0 => format!("= ::preslide::{law}<S>;"),
+                n => format!("= ::preslide::{law}<{n}, S>;"),
+            };
+            let time = if timed {
+                "    sample_time: f64"
+            } else {
+                "    _sample_time: f64"
+            };
+            let scalars = friction.scalars();
             let text = source(&model(friction), None).expect("exportable");
-            for part in parts {
+            for part in [&kind, time] {
                 assert!(text.contains(part), "`{part}` is not in:\n{text}");
+            }
+            for (key, _) in scalars {
+                let used = text.matches(&key.to_lowercase()).count();
+                // Of `PARAMETERS`, and to build the model.
+                assert!(used >= 2, "{key} is not used in:\n{text}");
             }
             assert!(!text.contains("With"), "{text}");
         }
@@ -191,15 +145,10 @@ mod tests {
     /// Hsieh's model has no breakaway force from which a bound could be taken.
     #[test]
     fn demands_a_bound_if_the_model_has_none() {
-        let hsieh = FrictionModel::Hsieh(HsiehParams {
-            k1: 1.0,
-            k2: 2.0,
-            beta: 3.0,
-            viscous: 0.0,
-            creep: 0.1,
-            hardening: 0.2,
-            hardening_exponent: 1.0,
-        });
+        let hsieh = FrictionModel::one_of_each(0.9, 1e-5)
+            .into_iter()
+            .find(|model| model.kind() == "hsieh");
+        let hsieh = hsieh.expect("a law");
         let model = Model {
             viscous: 2.0,
             ..model(hsieh)

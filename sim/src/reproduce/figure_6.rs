@@ -183,24 +183,12 @@ impl Figure6 {
             (None, None) => return Err(format!("{name}: no parameters fit the curve")),
         };
         // The original form shows its jump with the parameters of the other.
-        let model = match model {
-            FrictionModel::Leuven {
-                breakaway,
-                blocks,
-                exponent,
-                damping,
-                sliding,
-                ..
-            } if original => FrictionModel::Leuven {
-                form: LeuvenForm::Original,
-                breakaway,
-                blocks,
-                exponent,
-                damping,
-                sliding,
-            },
-            other => other,
-        };
+        let mut model = model;
+        if let FrictionModel::Leuven { form, .. } = &mut model
+            && original
+        {
+            *form = LeuvenForm::Original;
+        }
         let force = self.along(&model)?;
         Ok(Row {
             nmse: self.error(&force),
@@ -209,7 +197,7 @@ impl Figure6 {
             closure: loop_closure(&model, REVERSALS).map_err(|e| format!("{name}: {e}"))?,
             drift: drift(&model)?,
             stick_slip: stick_slip(&model)?,
-            parameters: parameters(&model),
+            parameters: model.parameter_count(),
             cost: cost(&model),
             name: name.to_owned(),
             model,
@@ -328,20 +316,6 @@ fn models() -> Vec<(&'static str, Option<Family>, Option<FrictionModel>)> {
         ("two-state", Some(Family::TwoState), None),
         ("Hsieh", Some(Family::Hsieh), Some(paper::hsieh())),
     ]
-}
-
-/// Parameters to identify, with the Stribeck curve of the models that have one (`F_c`, `v_s`).
-fn parameters(model: &FrictionModel) -> usize {
-    match model {
-        FrictionModel::Coulomb { .. } => 1,
-        FrictionModel::Dahl { .. } => 3,
-        FrictionModel::BoucWen { .. } | FrictionModel::TwoState { .. } => 4,
-        FrictionModel::LuGre { .. } => 5,
-        FrictionModel::ElastoPlastic { .. } => 6,
-        FrictionModel::Hsieh(_) => 7,
-        FrictionModel::Leuven { blocks, .. } => 2 * blocks.len() + 4,
-        FrictionModel::Gms { blocks, .. } => 2 * blocks.len(),
-    }
 }
 
 /// NMSE (%) on the virgin curve, sampled and travelled like the curve with loops.

@@ -1,7 +1,7 @@
 //! The friction level, by recursive least squares with forgetting.
 
 use super::{BlockMeans, Learn, LearningSettings, reciprocal};
-use crate::friction::Condition;
+use crate::friction::condition::Condition;
 use crate::param::{ParamError, at_least, at_most, not_negative, to_positive, to_scalar};
 use crate::{Scalar, Units};
 

@@ -1,7 +1,7 @@
 //! The watch on the model: is what the drive spends on friction still what it was at commissioning?
 
 use super::{BlockMeans, Learn, LearningSettings, decision_interval};
-use crate::friction::{Condition, NormalRange};
+use crate::friction::condition::{Condition, NormalRange};
 use crate::param::{ParamError, at_least, at_most, positive, to_positive, to_scalar};
 use crate::{Scalar, Units};
 

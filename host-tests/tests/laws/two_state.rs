@@ -1,7 +1,7 @@
 //! The two-state elasto-plastic model from absolute positions, its level integrated in time.
 
-use super::Stribeck;
-use super::ode::integrate;
+use preslide_host_tests::reference::Stribeck;
+use preslide_host_tests::reference::ode::integrate;
 
 /// The model and its memory.
 pub struct TwoState {

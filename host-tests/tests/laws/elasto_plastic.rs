@@ -1,7 +1,7 @@
 //! Dupont's single-state law integrated in time, with `α` as printed.
 
-use super::Stribeck;
-use super::ode::integrate;
+use preslide_host_tests::reference::Stribeck;
+use preslide_host_tests::reference::ode::integrate;
 use std::f64::consts::PI;
 
 /// The model and its memory, in SI.

@@ -1,7 +1,7 @@
 //! Eqs. (2)–(3) integrated in time.
 
-use super::Stribeck;
-use super::ode::integrate;
+use preslide_host_tests::reference::Stribeck;
+use preslide_host_tests::reference::ode::integrate;
 
 /// The model and its memory, in SI.
 pub struct LuGre {
