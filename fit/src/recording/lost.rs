@@ -32,7 +32,7 @@ pub(super) fn said(what: &str, places: &[u64], first: &str) -> Warning {
         1 => "a sample is lost".to_owned(),
         n => format!("{n} samples are lost"),
     };
-    Warning::new("lost-samples", format!("{lost}: {first}{others}"))
+    warning!("lost-samples", "{lost}: {first}{others}")
 }
 
 /// Gives the values at the places what stands before them, or after them where nothing does.

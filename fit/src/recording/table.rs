@@ -25,16 +25,6 @@ pub(super) enum Data {
     Labels(Labels),
 }
 
-impl Data {
-    /// Takes the last sample off again.
-    pub(super) fn pop(&mut self) {
-        match self {
-            Data::Numbers(values) => drop(values.pop()),
-            Data::Labels(labels) => labels.pop(),
-        }
-    }
-}
-
 /// Where samples stand in their file.
 #[derive(Debug)]
 pub(super) struct Location {

@@ -89,10 +89,8 @@ pub(super) fn table(variables: &[Variable], options: &LoadOptions) -> Result<Tab
             Some((first, n)) => same_length(first, *n, name, values.len())?,
         }
         if values.len() > options.max_samples {
-            return Err(Problem::TooManySamples {
-                at: format!("variable `{name}`"),
-                limit: options.max_samples,
-            });
+            let at = format!("variable `{name}`");
+            return Err(Problem::too_many_samples(at, options.max_samples));
         }
         found.push((name, values));
     }
@@ -144,11 +142,8 @@ fn leave_out_broken(
         .iter()
         .find(|(_, values)| plausible(values[first]).is_err());
     let (name, value) = bad.map_or(("", f64::NAN), |(name, values)| (*name, values[first]));
-    let problem = Problem::Cell {
-        at: format!("element {}", first + 1),
-        column: name.into(),
-        what: format!("`{value}` is not finite, or beyond what any sensor gives"),
-    };
+    let what = format!("`{value}` is not finite, or beyond what any sensor gives");
+    let problem = Problem::cell(format!("element {}", first + 1), name, what);
     if lost::too_many(broken.len(), samples - broken.len()) {
         return Err(problem);
     }
@@ -193,12 +188,10 @@ fn product<'a>(
     let mut product: Option<(&str, Vec<f64>)> = None;
     let mut factor = term.factor;
     for variable in term.columns.iter().filter_map(|&i| variables.get(i)) {
-        let values = variable.vector().ok_or_else(|| Problem::Map {
-            map: format!("{}={}", source.known.name, variable.name),
-            reason: format!(
-                "`{}` is no vector of real numbers; the file has {listing}",
-                variable.describe()
-            ),
+        let values = variable.vector().ok_or_else(|| {
+            let whole = variable.describe();
+            let reason = format!("`{whole}` is no vector of real numbers; the file has {listing}");
+            Problem::map(format!("{}={}", source.known.name, variable.name), reason)
         })?;
         match (&mut product, values) {
             (_, [scalar]) => factor *= scalar,
@@ -217,14 +210,11 @@ fn product<'a>(
 /// The numbers of a variable that tells parts of the motion apart.
 fn labels(name: &str, values: &[f64]) -> Result<Labels, Problem> {
     let mut labels = Labels::default();
-    if values.iter().all(|v| labels.push(&v.to_string())) {
-        return Ok(labels);
+    for value in values {
+        let taken = labels.push(&value.to_string());
+        taken.map_err(|what| Problem::cell("its elements", name, what))?;
     }
-    Err(Problem::Cell {
-        at: "its elements".into(),
-        column: name.into(),
-        what: "over a million different parts".into(),
-    })
+    Ok(labels)
 }
 
 /// The variables that have no role.
@@ -258,10 +248,7 @@ fn same_length(
     if first_len == second_len {
         return Ok(());
     }
-    Err(Problem::Lengths {
-        first: first.into(),
-        first_len,
-        second: second.into(),
-        second_len,
-    })
+    Err(Problem::Other(format!(
+        "`{first}` has {first_len} samples, `{second}` {second_len}; map variables of equal length"
+    )))
 }
