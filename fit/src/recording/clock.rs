@@ -3,6 +3,7 @@
 use chrono::{Datelike, NaiveDate};
 
 use super::Warning;
+use super::names::Source;
 
 /// Seconds of a day.
 const DAY: f64 = 86_400.0;
@@ -43,22 +44,33 @@ impl Clock {
     }
 }
 
-/// Seconds of one of what a stamp since 1970 counts, by how large it is: milliseconds, microseconds, nanoseconds; `None` where it is in seconds or
-/// no such stamp.
-pub(super) fn since_1970(stamp: f64) -> Option<f64> {
-    /// The years 2001 to 2286.
-    const SECONDS: std::ops::Range<f64> = 1e9..1e10;
-    [1e-3, 1e-6, 1e-9]
-        .into_iter()
-        .find(|unit| SECONDS.contains(&(unit * stamp)))
-}
+/// In what stamps since 1970 count, by how large the first of them is.
+#[derive(Debug, Default)]
+pub(super) struct Since1970(Option<Option<f64>>);
 
-/// Says in what such stamps are taken.
-pub(super) fn said(unit: f64) -> Warning {
-    warning!(
-        "since-1970",
-        "the time counts since 1970 in units of {unit:e} s: taken as that"
-    )
+impl Since1970 {
+    /// The value of a source's column: in seconds, where it is a time without a unit that counts since 1970 in something else.
+    pub(super) fn of(&mut self, source: &Source, value: f64) -> f64 {
+        /// The years 2001 to 2286.
+        const SECONDS: std::ops::Range<f64> = 1e9..1e10;
+        if !source.is_bare_time() {
+            return value;
+        }
+        let mut units = [1e-3, 1e-6, 1e-9].into_iter();
+        let unit = self
+            .0
+            .get_or_insert_with(|| units.find(|unit| SECONDS.contains(&(unit * value))));
+        value * unit.unwrap_or(1.0)
+    }
+
+    /// Says in what such stamps are taken.
+    pub(super) fn said(&self) -> Option<Warning> {
+        let unit = self.0.flatten()?;
+        Some(warning!(
+            "since-1970",
+            "the time counts since 1970 in units of {unit:e} s: taken as that"
+        ))
+    }
 }
 
 /// A time without its `AM` or `PM`, and which.

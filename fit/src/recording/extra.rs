@@ -98,15 +98,6 @@ impl Reading {
         Some(format!("{} ({first}{others})", self.name))
     }
 
-    /// Leaves out samples, ascending.
-    pub(super) fn leave_out(&mut self, samples: &[usize]) {
-        let out = |i: usize| samples.binary_search(&i).is_ok();
-        lost::leave_out(&mut self.values, samples);
-        let before = |i: usize| samples.partition_point(|&s| s < i);
-        self.broken.1.retain(|&i| !out(i));
-        self.broken.1.iter_mut().for_each(|i| *i -= before(*i));
-    }
-
     /// Ends the reading of a column that holds something else than numbers.
     pub(super) fn refuse(&mut self, why: String) {
         self.values = Vec::new();

@@ -49,12 +49,6 @@ pub(super) fn hold(values: &mut [f64], places: &[usize]) {
     }
 }
 
-/// Leaves out the values at the places, ascending.
-pub(super) fn leave_out<T>(values: &mut Vec<T>, places: &[usize]) {
-    let mut at = 0..;
-    values.retain(|_| at.next().is_none_or(|i| places.binary_search(&i).is_err()));
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
