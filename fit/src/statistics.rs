@@ -96,10 +96,13 @@ impl<'a> LeastSquares<'a> {
     pub fn of(columns: &'a [&'a [f64]]) -> Option<Self> {
         /// Of the columns' squares, added to keep the normal equations solvable.
         const RIDGE: f64 = 1e-9;
-        let scale: Vec<f64> = columns
-            .iter()
-            .map(|c| dot(c, c).sqrt().max(1e-300).recip())
-            .collect();
+        // A column of zeros has the coefficient 0.
+        let scale = |c: &&[f64]| {
+            Some(dot(c, c).sqrt())
+                .filter(|n| *n > 0.0)
+                .map_or(0.0, f64::recip)
+        };
+        let scale: Vec<f64> = columns.iter().map(scale).collect();
         let p = columns.len();
         let mut gram = DMatrix::from_diagonal_element(p, p, RIDGE);
         for i in 0..p {
@@ -184,6 +187,21 @@ pub fn lateness(
     }
     let late = 0.5 * (low + high);
     Some((late, [left_at(late), all[most]]))
+}
+
+/// The value at `t`, straight between two of the ascending `times` and held beyond their ends.
+///
+/// # Panics
+/// Without values.
+pub fn between(times: &[f64], values: &[f64], t: f64) -> f64 {
+    match times.partition_point(|own| *own <= t) {
+        0 => values[0],
+        n if n == times.len() => values[n - 1],
+        n => {
+            let part = (t - times[n - 1]) / (times[n] - times[n - 1]);
+            values[n - 1] + part * (values[n] - values[n - 1])
+        }
+    }
 }
 
 /// Evenly spaced values as they were so many samples later, straight between two and held beyond the ends.

@@ -3,6 +3,8 @@
 use super::segments::Strokes;
 use super::{EffortRole, Warning, balance};
 use crate::report::figures::quantity;
+use crate::statistics::bounds;
+use std::ops::Range;
 
 /// A handful of strokes at a dozen samples each: below this, fits with ten parameters are guesses.
 pub(super) const FEW_SAMPLES: usize = 200;
@@ -25,52 +27,44 @@ const CLOSED: f64 = 0.05;
 /// Warns of motion that cannot show friction's memory.
 pub(super) fn motion(strokes: &[Strokes], samples: usize, unit: &str, warnings: &mut Vec<Warning>) {
     if samples < FEW_SAMPLES {
-        warnings.push(Warning::new(
+        warnings.push(warning!(
             TOO_SHORT,
-            format!("{samples} samples; under {FEW_SAMPLES} few fits are certain"),
+            "{samples} samples; under {FEW_SAMPLES} few fits are certain"
         ));
     }
     let travel = strokes.iter().map(|s| s.travel).fold(0.0, f64::max);
     let quantum = strokes.iter().map(|s| s.quantum).fold(0.0, f64::max);
     let reversals: usize = strokes.iter().map(|s| s.reversals.len()).sum();
     if travel <= 2.0 * quantum {
-        warnings.push(Warning::new(
+        warnings.push(warning!(
             "no-motion",
-            format!(
-                "the position covers {} in all, no more than two steps of its encoder",
-                quantity(travel, unit)
-            ),
+            "the position covers {} in all, no more than two steps of its encoder",
+            quantity(travel, unit)
         ));
     } else if reversals == 0
         && !(strokes.iter().any(|s| s.net < 0.0) && strokes.iter().any(|s| s.net > 0.0))
     {
-        warnings.push(Warning::new(
+        warnings.push(warning!(
             "one-way-motion",
-            format!(
-                "no reversal in {} of travel: friction cannot be told from a constant load, and \
+            "no reversal in {} of travel: friction cannot be told from a constant load, and \
                  pre-sliding memory does not show",
-                quantity(travel, unit)
-            ),
+            quantity(travel, unit)
         ));
     } else if reversals < FEW_REVERSALS {
-        warnings.push(Warning::new(
+        warnings.push(warning!(
             "few-reversals",
-            format!("{reversals} reversals; pre-sliding memory shows from two on"),
+            "{reversals} reversals; pre-sliding memory shows from two on"
         ));
     }
 }
 
 /// Warns where the effort stays at its extreme value, as a saturated sensor or amplifier does.
 pub(super) fn clipping(effort: &[f64], unit: &str, warnings: &mut Vec<Warning>) {
-    let (low, high) = effort
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
-            (l.min(v), h.max(v))
-        });
+    let (low, high) = bounds(effort);
     if low >= high {
-        warnings.push(Warning::new(
+        warnings.push(warning!(
             "constant-effort",
-            format!("the effort is {low} {unit} throughout"),
+            "the effort is {low} {unit} throughout"
         ));
         return;
     }
@@ -88,9 +82,10 @@ pub(super) fn clipping(effort: &[f64], unit: &str, warnings: &mut Vec<Warning>) 
         }
         let share = clipped as f64 / effort.len() as f64;
         if clipped > 0 && share >= CLIPPED_SHARE {
-            warnings.push(Warning::new(
+            warnings.push(warning!(
                 "clipping",
-                format!("{clipped} samples ({:.1} %) stay at the extreme {limit} {unit}: the sensor may be saturated", 100.0 * share),
+                "{clipped} samples ({:.1} %) stay at the extreme {limit} {unit}: the sensor may be saturated",
+                100.0 * share
             ));
         }
     }
@@ -107,19 +102,21 @@ fn closed_work(x: &[f64], effort: &[f64], strokes: &Strokes) -> Option<(f64, f64
                 .zip(x.get(last))
                 .is_some_and(|(a, b)| (a - b).abs() <= CLOSED * strokes.travel)
     })?;
-    let (x, effort) = (x.get(first..=last)?, effort.get(first..=last)?);
-    let mean = effort.iter().sum::<f64>() / effort.len() as f64;
-    let (mut net, mut exchanged) = (0.0, 0.0);
-    for ((x0, x1), (f0, f1)) in x
-        .iter()
-        .zip(x.iter().skip(1))
-        .zip(effort.iter().zip(effort.iter().skip(1)))
-    {
-        let work = (0.5 * (f0 + f1) - mean) * (x1 - x0);
-        net += work;
-        exchanged += work.abs();
-    }
-    Some((net, exchanged))
+    Some(work_over(x, effort, first..last + 1))
+}
+
+/// Net work over a range of samples and the work exchanged, the effort's mean taken off.
+fn work_over(x: &[f64], effort: &[f64], range: Range<usize>) -> (f64, f64) {
+    let (Some(x), Some(effort)) = (x.get(range.clone()), effort.get(range)) else {
+        return (0.0, 0.0);
+    };
+    let mean = effort.iter().sum::<f64>() / effort.len().max(1) as f64;
+    let steps = x.windows(2).zip(effort.windows(2));
+    steps
+        .map(|(x, f)| (0.5 * (f[0] + f[1]) - mean) * (x[1] - x[0]))
+        .fold((0.0, 0.0), |(net, all), work| {
+            (net + work, all + work.abs())
+        })
 }
 
 /// Code of the warning that the effort was turned.
@@ -128,36 +125,23 @@ pub(super) const FLIPPED: &str = "effort-sign-flipped";
 /// Net work that friction takes, and the work exchanged: over each run whose motion closes, and of the others by the balance of energy. Zero
 /// where both together tell of too little of all the work, which a short stroke must not speak for.
 fn work(x: &[f64], effort: &[f64], strokes: &[Strokes]) -> (f64, f64) {
+    let exchanged = |s: &Strokes| work_over(x, effort, s.run.clone()).1;
     let told = strokes
         .iter()
         .filter_map(|s| {
             let closed = closed_work(x, effort, s);
-            let most = closed.filter(|c| c.1 >= TOLD_WORK * exchanged(x, effort, s));
+            let most = closed.filter(|c| c.1 >= TOLD_WORK * exchanged(s));
             most.or_else(|| balance::friction(x, effort, s))
         })
         .fold((0.0, 0.0), |(n, e), (net, exchanged)| {
             (n + net, e + exchanged)
         });
-    let all: f64 = strokes.iter().map(|s| exchanged(x, effort, s)).sum();
+    let all: f64 = strokes.iter().map(exchanged).sum();
     if told.1 >= TOLD_WORK * all {
         told
     } else {
         (0.0, 0.0)
     }
-}
-
-/// The work exchanged over a run (J for force and torque), the effort's mean taken off.
-fn exchanged(x: &[f64], effort: &[f64], strokes: &Strokes) -> f64 {
-    let (Some(x), Some(effort)) = (x.get(strokes.run.clone()), effort.get(strokes.run.clone()))
-    else {
-        return 0.0;
-    };
-    let mean = effort.iter().sum::<f64>() / effort.len().max(1) as f64;
-    let steps = x.windows(2).zip(effort.windows(2));
-    steps
-        .map(|(x, f)| (0.5 * (f[0] + f[1]) - mean) * (x[1] - x[0]))
-        .map(f64::abs)
-        .sum()
 }
 
 /// Whether motion and effort say by themselves which sign the effort has.
@@ -191,15 +175,15 @@ pub(super) fn sign(
         -100.0 * net / exchanged
     );
     if asked.is_some() {
-        warnings.push(Warning::new(
+        warnings.push(warning!(
             "negative-work",
-            format!("{found}; --sign was given, so it stays"),
+            "{found}; --sign was given, so it stays"
         ));
     } else {
         effort.iter_mut().for_each(|f| *f = -*f);
-        warnings.push(Warning::new(
+        warnings.push(warning!(
             FLIPPED,
-            format!("{found}: its sign opposes the model's, so it was multiplied by -1; --sign -1 says so and silences this, --sign 1 forbids it"),
+            "{found}: its sign opposes the model's, so it was multiplied by -1; --sign -1 says so and silences this, --sign 1 forbids it"
         ));
     }
 }

@@ -1,6 +1,9 @@
 //! Time stamps that are written as a date or a time of day, in seconds from the day of the first.
 
+use chrono::{Datelike, NaiveDate};
+
 use super::Warning;
+use super::names::Source;
 
 /// Seconds of a day.
 const DAY: f64 = 86_400.0;
@@ -8,7 +11,7 @@ const DAY: f64 = 86_400.0;
 /// Reads stamps one after the other.
 #[derive(Debug, Default)]
 pub(super) struct Clock {
-    first_day: Option<i64>,
+    first_day: Option<i32>,
     last: Option<f64>,
     midnights: f64,
 }
@@ -30,7 +33,7 @@ impl Clock {
             let day = day(date)?;
             let (time, ahead) = zone(time)?;
             let days = day - *self.first_day.get_or_insert(day);
-            return Some(days as f64 * DAY + of_day(time)? - ahead);
+            return Some(f64::from(days) * DAY + of_day(time)? - ahead);
         }
         let seconds = of_day(text)?;
         if self.last.is_some_and(|last| last - seconds > 0.5 * DAY) {
@@ -41,22 +44,33 @@ impl Clock {
     }
 }
 
-/// Seconds of one of what a stamp since 1970 counts, by how large it is: milliseconds, microseconds, nanoseconds; `None` where it is in seconds or
-/// no such stamp.
-pub(super) fn since_1970(stamp: f64) -> Option<f64> {
-    /// The years 2001 to 2286.
-    const SECONDS: std::ops::Range<f64> = 1e9..1e10;
-    [1e-3, 1e-6, 1e-9]
-        .into_iter()
-        .find(|unit| SECONDS.contains(&(unit * stamp)))
-}
+/// In what stamps since 1970 count, by how large the first of them is.
+#[derive(Debug, Default)]
+pub(super) struct Since1970(Option<Option<f64>>);
 
-/// Says in what such stamps are taken.
-pub(super) fn said(unit: f64) -> Warning {
-    Warning::new(
-        "since-1970",
-        format!("the time counts since 1970 in units of {unit:e} s: taken as that"),
-    )
+impl Since1970 {
+    /// The value of a source's column: in seconds, where it is a time without a unit that counts since 1970 in something else.
+    pub(super) fn of(&mut self, source: &Source, value: f64) -> f64 {
+        /// The years 2001 to 2286.
+        const SECONDS: std::ops::Range<f64> = 1e9..1e10;
+        if !source.is_bare_time() {
+            return value;
+        }
+        let mut units = [1e-3, 1e-6, 1e-9].into_iter();
+        let unit = self
+            .0
+            .get_or_insert_with(|| units.find(|unit| SECONDS.contains(&(unit * value))));
+        value * unit.unwrap_or(1.0)
+    }
+
+    /// Says in what such stamps are taken.
+    pub(super) fn said(&self) -> Option<Warning> {
+        let unit = self.0.flatten()?;
+        Some(warning!(
+            "since-1970",
+            "the time counts since 1970 in units of {unit:e} s: taken as that"
+        ))
+    }
 }
 
 /// A time without its `AM` or `PM`, and which.
@@ -77,10 +91,10 @@ fn half_of_day(text: &str) -> (&str, Option<Half>) {
 
 /// Days from a fixed one to a Gregorian `year-month-day`, `year/month/day`, `day.month.year`, or `month/day/year` where that is a date, and else
 /// `day/month/year`.
-fn day(date: &str) -> Option<i64> {
+fn day(date: &str) -> Option<i32> {
     let mut parts = date
         .splitn(3, ['-', '/', '.'])
-        .map(|p| p.parse::<i64>().ok());
+        .map(|p| p.parse::<i32>().ok());
     let (first, month, last) = (parts.next()??, parts.next()??, parts.next()??);
     let (year, month, day) = match (date.contains('.'), last > 31) {
         (true, _) => (last, month, first),
@@ -88,16 +102,8 @@ fn day(date: &str) -> Option<i64> {
         (false, true) => (last, month, first),
         (false, false) => (first, month, last),
     };
-    if !(1..=12).contains(&month) || !(1..=31).contains(&day) {
-        return None;
-    }
-    // The year begins in March, so that the leap day is its last.
-    let (year, month) = match month {
-        1 | 2 => (year - 1, month + 9),
-        _ => (year, month - 3),
-    };
-    let leaps = year.div_euclid(4) - year.div_euclid(100) + year.div_euclid(400);
-    Some(365 * year + leaps + (153 * month + 2) / 5 + day)
+    NaiveDate::from_ymd_opt(year, month.try_into().ok()?, day.try_into().ok()?)
+        .map(|date| date.num_days_from_ce())
 }
 
 /// A time without its zone, and the seconds by which the zone is ahead of UTC.
@@ -173,6 +179,7 @@ mod tests {
             "0:00:00 AM",
             "abc",
             "2025-13-01T00:00:00",
+            "2025-02-29T00:00:00",
             "1:2:3:4",
         ] {
             assert_eq!(Clock::default().seconds(text), None, "{text}");

@@ -75,13 +75,11 @@ pub(super) fn plan(names: &Names) -> Result<Plan, Problem> {
             }
             Ordering::Greater => {}
         }
-        warnings.push(Warning::new(
+        warnings.push(warning!(
             "effort-chosen",
-            format!(
-                "`{0}` is the {1}; `{left}` gives it too, and is left out (`--map {left}={left} --ignore {0}` takes it instead)",
-                first.known.name,
-                k.slot.words()
-            ),
+            "`{0}` is the {1}; `{left}` gives it too, and is left out (`--map {left}={left} --ignore {0}` takes it instead)",
+            first.known.name,
+            k.slot.words()
         ));
         false
     });
@@ -95,11 +93,12 @@ pub(super) fn plan(names: &Names) -> Result<Plan, Problem> {
         if !unsaid.is_empty() {
             complaints.push(format!("no known unit at {}", unsaid.join(", ")));
         }
-        return Err(Problem::Columns {
-            complaints: complaints.join("; "),
-            listing: names.listing.into(),
-            maps: propose(names, &sources, &open),
-        });
+        let maps = propose(names, &sources, &open);
+        return Err(Problem::columns(
+            &complaints.join("; "),
+            names.listing,
+            maps,
+        ));
     }
     other_axis(kind, &mut sources, &mut open, &mut warnings);
     open.sort_unstable();
@@ -136,12 +135,12 @@ fn stamp(
     });
     sources.push(source);
     open.retain(|i| ![whole, part].contains(i));
-    warnings.push(Warning::new(
+    warnings.push(warning!(
         "columns-taken",
-        format!(
-            "a stamp in two parts: {}={}+{seconds:e}*{}",
-            known.name, names.columns[whole], names.columns[part]
-        ),
+        "a stamp in two parts: {}={}+{seconds:e}*{}",
+        known.name,
+        names.columns[whole],
+        names.columns[part]
     ));
 }
 
@@ -226,9 +225,10 @@ fn by_unit(
         })
         .collect();
     if !said.is_empty() {
-        warnings.push(Warning::new(
+        warnings.push(warning!(
             "columns-taken",
-            format!("by their names and units: {}", said.join(", ")),
+            "by their names and units: {}",
+            said.join(", ")
         ));
     }
     open.retain(|i| !taken.iter().any(|t| t.0 == *i));
@@ -325,13 +325,11 @@ fn other_axis(
         fits
     });
     if !other.is_empty() {
-        warnings.push(Warning::new(
+        warnings.push(warning!(
             "other-axis",
-            format!(
-                "{} not taken as the motion, which is {}; to use it, give `--map` with a ratio",
-                other.join(", "),
-                kind.name()
-            ),
+            "{} not taken as the motion, which is {}; to use it, give `--map` with a ratio",
+            other.join(", "),
+            kind.name()
         ));
     }
 }
@@ -408,24 +406,19 @@ mod tests {
         }
         let german = plan_of("Zeit [ms],Istposition [mm],Istkraft [N]", &[]).expect("names");
         assert_eq!(german.sources.len(), 3);
-        let plan = plan_of(
-            "t_s,Position [counts],force_N",
-            &[("x_m", "Position[counts]*25e-9")],
-        );
-        assert_eq!(
-            plan.expect("a blank more or less").sources[0].terms[0].factor,
-            25e-9
-        );
+        let map = [("x_m", "Position[counts]*25e-9")];
+        let plan = plan_of("t_s,Position [counts],force_N", &map);
+        let source = &plan.expect("a blank more or less").sources[0];
+        assert_eq!(source.terms[0].factor, 25e-9);
         let plan = plan_of("Time [ms],Position (deg),torque_mNm", &[]).expect("a scope's names");
         assert_eq!(
             (plan.kind, plan.role),
             (MotionKind::Rotary, EffortRole::Torque)
         );
         let said = &plan.warnings[0].message;
-        assert!(
-            said.contains("t_s=0.001*Time [ms]") && said.contains("torque_Nm=0.001*torque_mNm"),
-            "{said}"
-        );
+        for part in ["t_s=0.001*Time [ms]", "torque_Nm=0.001*torque_mNm"] {
+            assert!(said.contains(part), "{said}");
+        }
     }
 
     #[test]
@@ -453,28 +446,20 @@ mod tests {
 
     #[test]
     fn a_mapping_chooses_between_two_columns_and_scales() {
-        let error = plan_of("t_s,x_m,force_N,friction_N", &[]).expect_err("two efforts");
-        assert!(matches!(error, Problem::Columns { .. }), "{error}");
-        assert!(
-            error.to_string().contains("--map friction_N=friction_N"),
-            "{error}"
+        let both = plan_of("t_s,x_m,force_N,friction_N", &[]);
+        refuses(
+            both,
+            &["both give the effort", "--map friction_N=friction_N"],
         );
-        let plan = plan_of(
-            "t_s,x_m,force_N,friction_N",
-            &[("friction_N", "friction_N")],
-        )
-        .expect("chosen");
-        assert_eq!(plan.role, EffortRole::Friction);
-        assert_eq!(plan.unused, [2]);
-        let plan = plan_of(
-            "t,x_mm,vir,gtau",
-            &[
-                ("t_s", "t"),
-                ("x_m", "1e-3*x_mm"),
-                ("force_N", "-2 * gtau*vir"),
-            ],
-        )
-        .expect("scaled");
+        let map = [("friction_N", "friction_N")];
+        let plan = plan_of("t_s,x_m,force_N,friction_N", &map).expect("chosen");
+        assert_eq!((plan.role, plan.unused), (EffortRole::Friction, vec![2]));
+        let map = [
+            ("t_s", "t"),
+            ("x_m", "1e-3*x_mm"),
+            ("force_N", "-2 * gtau*vir"),
+        ];
+        let plan = plan_of("t,x_mm,vir,gtau", &map).expect("scaled");
         let products: Vec<_> = plan
             .sources
             .iter()
@@ -518,23 +503,16 @@ mod tests {
 
     #[test]
     fn axes_do_not_mix() {
-        let error = plan_of("t_s,x_m,torque_Nm", &[]).expect_err("torque on a slide");
-        assert!(
-            error
-                .to_string()
-                .contains("--map 'force_N=FACTOR*torque_Nm'"),
-            "{error}"
-        );
+        let factor = "--map 'force_N=FACTOR*torque_Nm'";
+        for (header, part) in [
+            ("t_s,x_m,torque_Nm", factor),
+            ("t_s,x_m,q_rad,force_N", "both give the position"),
+            ("t_s,x_m,x_m,force_N", "both give the position"),
+        ] {
+            refuses(plan_of(header, &[]), &[part]);
+        }
         let plan = plan_of("t_s,x_m,qd_rad_s,force_N", &[]).expect("position decides");
         assert!(plan.warnings.iter().any(|w| w.code == "other-axis"));
         assert_eq!(plan.kind, MotionKind::Linear);
-        assert!(matches!(
-            plan_of("t_s,x_m,q_rad,force_N", &[]),
-            Err(Problem::Columns { .. })
-        ));
-        assert!(matches!(
-            plan_of("t_s,x_m,x_m,force_N", &[]),
-            Err(Problem::Columns { .. })
-        ));
     }
 }

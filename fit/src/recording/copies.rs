@@ -1,6 +1,6 @@
 //! Pieces that are given twice: a copy proves nothing, and would be fitted and held out at once.
 
-use super::{Recording, Warning};
+use super::Recording;
 use crate::statistics::bounds;
 use std::ops::Range;
 
@@ -40,12 +40,10 @@ impl Recording {
             return self;
         }
         let mut once = self.masked(&inside);
-        once.warnings.push(Warning::new(
+        once.warnings.push(warning!(
             COPIES,
-            format!(
-                "{copies} of {} samples are copies of others: left out, as they add nothing",
-                self.len()
-            ),
+            "{copies} of {} samples are copies of others: left out, as they add nothing",
+            self.len()
         ));
         once
     }
@@ -53,7 +51,8 @@ impl Recording {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LoadOptions, Recording, load_csv};
+    use super::super::Recording;
+    use super::super::tests::{read, said};
 
     fn swing(seed: f64) -> Recording {
         let mut text = "t_s,x_m,force_N\n".to_owned();
@@ -63,7 +62,7 @@ mod tests {
             let noise = (seed + 1e4 * sin).sin();
             text += &format!("{t:.3},{:.7},{:.5}\n", 0.01 * sin, cos + 0.01 * noise);
         }
-        load_csv(text.as_bytes(), "swing.csv", &LoadOptions::default()).expect("a recording")
+        read(&text)
     }
 
     #[test]
@@ -76,8 +75,7 @@ mod tests {
         assert_eq!(whole.len(), 2 * once.len());
         assert_eq!((whole.pieces.len(), whole.joined.len()), (2, 3));
         assert!(whole.joined[2].is_empty());
-        let said = whole.warnings.iter().find(|w| w.code == super::COPIES);
-        assert!(said.is_some_and(|w| w.message.contains("3000 of 9000")));
+        assert!(said(&whole, super::COPIES).contains("3000 of 9000"));
         let apart = Recording::join(vec![swing(1.0), swing(2.0)]).expect("joined");
         assert_eq!(apart.len(), 6000);
     }

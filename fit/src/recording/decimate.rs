@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::ops::Range;
 
+use super::Recording;
 use super::samples::ranges;
-use super::{Recording, Warning};
 
 /// Half of the filter's length, in samples that are kept.
 const HALF: usize = 6;
@@ -40,13 +40,11 @@ impl Recording {
         });
         let mut fewer = self.with_samples(t_s, pieces, joined, numbers, labels);
         fewer.sample_time_s *= factor as f64;
-        fewer.warnings.push(Warning::new(
+        fewer.warnings.push(warning!(
             "decimated",
-            format!(
-                "one sample in {factor} of {} is kept, low-passed: {} apart",
-                self.len(),
-                quantity(fewer.sample_time_s, "s")
-            ),
+            "one sample in {factor} of {} is kept, low-passed: {} apart",
+            self.len(),
+            quantity(fewer.sample_time_s, "s")
         ));
         fewer
     }

@@ -68,79 +68,53 @@ fn stretches(within: Range<usize>, so: impl Fn(&usize) -> bool) -> Vec<Range<usi
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LoadOptions, Recording, load_csv};
+    use super::super::Recording;
+    use super::super::tests::{read, said, warns};
 
-    /// A swing at 1 kHz whose drive is off for 1.5 of 4 s, and coasts; `effort` names the column, `flag` that of the drive.
-    fn load(effort: &str, flag: &str) -> Recording {
+    /// A swing at 1 kHz whose drive is off for 1.5 of 4 s, and coasts; `effort` names the column, `flag` that of the drive, which is 0 from `first` on.
+    fn load(effort: &str, flag: &str, first: usize) -> Recording {
         let row = |i: usize| {
             let phase = i as f64 * 0.003;
-            let on = !(1000..2500).contains(&i);
-            let f = if on {
-                5.0 * (20.0 * phase.cos()).tanh()
-            } else {
-                0.0
+            let f = match i {
+                1000..2500 => 0.0,
+                _ => 5.0 * (20.0 * phase.cos()).tanh(),
             };
+            let on = i32::from(!(first..2500).contains(&i));
             let x = 0.02 * phase.sin();
-            format!("{:.3},{x:.8},{f:.5},{}\n", i as f64 * 1e-3, i32::from(on))
+            format!("{:.3},{x:.8},{f:.5},{on}\n", i as f64 * 1e-3)
         };
         let rows: String = (0..4000).map(row).collect();
-        let text = format!("t_s,x_m,{effort},{flag}\n{rows}");
-        load_csv(text.as_bytes(), "swing.csv", &LoadOptions::default())
-            .unwrap_or_else(|e| panic!("{e}"))
-    }
-
-    fn codes(recording: &Recording) -> Vec<&str> {
-        recording.warnings.iter().map(|w| w.code).collect()
+        read(&format!("t_s,x_m,{effort},{flag}\n{rows}"))
     }
 
     #[test]
     fn a_drive_that_is_off_is_no_dropout() {
-        let force = load("force_N", "drive_enabled");
+        let force = load("force_N", "drive_enabled", 1000);
         assert_eq!(force.len(), 4000);
-        assert!(codes(&force).contains(&"drive-off"), "{:?}", force.warnings);
-        assert!(!codes(&force).contains(&"dropout"), "{:?}", force.warnings);
+        assert!(warns(&force, "drive-off"), "{:?}", force.warnings);
+        assert!(!warns(&force, "dropout"), "{:?}", force.warnings);
     }
 
     #[test]
     fn a_voltage_of_a_drive_that_is_off_is_left_out() {
-        let voltage = load("voltage_V", "torque_enabled");
-        assert!(
-            !codes(&voltage).contains(&"dropout"),
-            "{:?}",
-            voltage.warnings
-        );
-        let said = voltage.warnings.iter().find(|w| w.code == "drive-off");
-        let said = said.map_or("", |w| &w.message);
-        assert!(said.contains("`torque_enabled`"), "{said}");
-        assert!(
-            said.contains("1500 samples in 1 places, first from line 1002 to line 2501"),
-            "{said}"
-        );
+        let voltage = load("voltage_V", "torque_enabled", 1000);
+        assert!(!warns(&voltage, "dropout"), "{:?}", voltage.warnings);
+        let off = said(&voltage, "drive-off");
+        for part in [
+            "`torque_enabled`",
+            "1500 samples in 1 places, first from line 1002 to line 2501",
+        ] {
+            assert!(off.contains(part), "{off}");
+        }
         assert_eq!((voltage.len(), voltage.pieces.len()), (2500, 2));
         assert!(voltage.extra.is_empty(), "it is on in all that is left");
     }
 
+    /// What is off for as long, but not where the effort is zero.
     #[test]
     fn a_column_that_tells_something_else_is_not_believed() {
-        // What is off for as long, but not where the effort is zero.
-        let mut rows = String::from("t_s,x_m,force_N,valve\n");
-        for i in 0..4000_usize {
-            let phase = i as f64 * 0.003;
-            let f = if (1000..2500).contains(&i) {
-                0.0
-            } else {
-                5.0 * (20.0 * phase.cos()).tanh()
-            };
-            let valve = i32::from(!(900..2500).contains(&i));
-            rows += &format!(
-                "{:.3},{:.8},{f:.5},{valve}\n",
-                i as f64 * 1e-3,
-                0.02 * phase.sin()
-            );
-        }
-        let read = load_csv(rows.as_bytes(), "swing.csv", &LoadOptions::default());
-        let read = read.unwrap_or_else(|e| panic!("{e}"));
-        assert!(!codes(&read).contains(&"drive-off"), "{:?}", read.warnings);
-        assert!(codes(&read).contains(&"dropout"), "{:?}", read.warnings);
+        let read = load("force_N", "valve", 900);
+        assert!(!warns(&read, "drive-off"), "{:?}", read.warnings);
+        assert!(warns(&read, "dropout"), "{:?}", read.warnings);
     }
 }

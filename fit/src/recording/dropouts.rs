@@ -1,12 +1,11 @@
 //! Stretches in which one signal stays exactly as it is while the axis moves: a logger that lost its channel.
 
-use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
 use super::MotionKind;
 use super::frame::Frame;
 use super::known::Slot;
-use crate::statistics::{bounds, quantile};
+use crate::statistics::{LeastSquares, bounds, quantile};
 
 /// Samples for which a position stays exactly as it is while it drops out …
 const POSITION: usize = 20;
@@ -16,7 +15,7 @@ const POSITION_USUAL: f64 = 5.0;
 const JUMP_HELD: f64 = 5.0;
 /// … and was moving: the step before exceeds this share of that. An axis that comes to rest and then gets its position set jumps, too.
 const MOVING: f64 = 0.1;
-/// The same for an effort. What the motion takes tells it from one that is truly constant ([`Takes`]), so that fewer samples suffice:
+/// The same for an effort. What the motion takes tells it from one that is truly constant ([`takes`]), so that fewer samples suffice:
 /// 0.05 s at 200 Hz are ten.
 const EFFORT: usize = 8;
 const EFFORT_USUAL: f64 = 2.0;
@@ -120,16 +119,13 @@ fn of_effort(
             }
         }
     }
-    let Some(takes) = Takes::fit(&others) else {
+    let Some(takes) = takes(&others) else {
         return Vec::new();
     };
-    let usual = takes.misfit(others.iter());
+    let usual = misfit(&others, &takes);
     found.retain(|r| {
-        let within: Vec<Stretch> = (r.start..=r.end - shortest)
-            .step_by(shortest)
-            .map(stretch)
-            .collect();
-        takes.misfit(within.iter()) > OTHER * usual
+        let within = (r.start..=r.end - shortest).step_by(shortest);
+        misfit(&within.map(stretch).collect::<Vec<_>>(), &takes) > OTHER * usual
     });
     found
 }
@@ -141,12 +137,12 @@ fn coasts(x: &[f64], stretch: &Range<usize>) -> bool {
     reach(half) <= AT_REST * reach(&x[stretch.clone()])
 }
 
-/// Coefficients of [`Takes`].
+/// Coefficients of what the motion takes.
 const TERMS: usize = 6;
 
 /// The motion over some samples, and the mean effort there.
 struct Stretch {
-    motion: SVector<f64, TERMS>,
+    motion: [f64; TERMS],
     effort: f64,
 }
 
@@ -167,64 +163,47 @@ impl Stretch {
         };
         let effort = &f[rows];
         Self {
-            motion: SVector::from([
+            motion: [
                 1.0,
                 acceleration,
                 velocity,
                 (x[last] - x[first]) / path.max(f64::MIN_POSITIVE),
                 weight[0],
                 weight[1],
-            ]),
+            ],
             effort: effort.iter().sum::<f64>() / effort.len() as f64,
         }
     }
 }
 
-/// What the motion takes by inertia, friction and a spring or a weight.
-struct Takes(SVector<f64, TERMS>);
-
-impl Takes {
-    /// Least squares; `None` where there are too few stretches.
-    fn fit(stretches: &[Stretch]) -> Option<Self> {
-        if stretches.len() < FEWEST * TERMS {
-            return None;
-        }
-        let mut normal = SMatrix::<f64, TERMS, TERMS>::zeros();
-        let mut right = SVector::<f64, TERMS>::zeros();
-        for Stretch { motion, effort } in stretches {
-            normal += motion * motion.transpose();
-            right += motion * *effort;
-        }
-        // Columns of the same size; one that is not there, or like another, adds nothing.
-        let scale = normal
-            .diagonal()
-            .map(|d| if d > 0.0 { d.sqrt().recip() } else { 0.0 });
-        let scaled = SMatrix::from_diagonal(&scale) * normal * SMatrix::from_diagonal(&scale);
-        let slight = 1e-9 * SMatrix::<f64, TERMS, TERMS>::identity();
-        let solved = (scaled + slight)
-            .cholesky()?
-            .solve(&right.component_mul(&scale));
-        Some(Self(solved.component_mul(&scale)))
+/// What the motion takes by inertia, friction and a spring or a weight; `None` where there are too few stretches.
+fn takes(stretches: &[Stretch]) -> Option<Vec<f64>> {
+    if stretches.len() < FEWEST * TERMS {
+        return None;
     }
+    let column = |k: usize| stretches.iter().map(|s| s.motion[k]).collect();
+    let columns: [Vec<f64>; TERMS] = std::array::from_fn(column);
+    let effort: Vec<f64> = stretches.iter().map(|s| s.effort).collect();
+    Some(LeastSquares::of(&columns.each_ref().map(Vec::as_slice))?.coefficients(&effort))
+}
 
-    /// RMS of the effort that is written less the one that the motion takes.
-    fn misfit<'a>(&self, stretches: impl ExactSizeIterator<Item = &'a Stretch>) -> f64 {
-        let count = stretches.len().max(1) as f64;
-        let squares = stretches.map(|s| (s.effort - self.0.dot(&s.motion)).powi(2));
-        (squares.sum::<f64>() / count).sqrt()
-    }
+/// RMS of the effort that is written less the one that the motion takes.
+fn misfit(stretches: &[Stretch], takes: &[f64]) -> f64 {
+    let squares = stretches.iter().map(|s| {
+        let taken: f64 = s.motion.iter().zip(takes).map(|(m, t)| m * t).sum();
+        (s.effort - taken).powi(2)
+    });
+    (squares.sum::<f64>() / stretches.len().max(1) as f64).sqrt()
 }
 
 /// Where a signal stays exactly as it is.
 fn runs(values: &[f64], pieces: &[Range<usize>]) -> Vec<Range<usize>> {
-    let mut runs: Vec<Range<usize>> = Vec::new();
+    let mut runs = Vec::new();
     for piece in pieces {
         let mut start = piece.start;
-        for i in piece.start + 1..=piece.end {
-            if i == piece.end || values[i] != values[start] {
-                runs.push(start..i);
-                start = i;
-            }
+        for run in values[piece.clone()].chunk_by(|a, b| a == b) {
+            runs.push(start..start + run.len());
+            start += run.len();
         }
     }
     runs
@@ -256,7 +235,8 @@ fn steps_over<'a>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LoadOptions, Recording, load_csv};
+    use super::super::Recording;
+    use super::super::tests::{read, said, warns};
 
     /// A swing of 20 mm against 5 N and noise of 20 mN at 1 kHz, `change` put upon it.
     fn load(change: impl Fn(usize, &mut [f64; 2])) -> Recording {
@@ -273,8 +253,7 @@ mod tests {
             change(i, &mut row);
             text += &format!("{:.3},{:.8},{:.5}\n", i as f64 * 1e-3, row[0], row[1]);
         }
-        load_csv(text.as_bytes(), "swing.csv", &LoadOptions::default())
-            .unwrap_or_else(|e| panic!("{e}"))
+        read(&text)
     }
 
     #[test]
@@ -304,20 +283,15 @@ mod tests {
             ("held", load(both(held))),
             ("effort", load(effort)),
         ] {
-            let said = recording.warnings.iter().find(|w| w.code == "dropout");
-            let said = said.unwrap_or_else(|| panic!("{name}: {:?}", recording.warnings));
+            let dropout = said(&recording, "dropout");
             assert!(
-                said.message.contains("from line 4002 to line 4501"),
-                "{name}: {}",
-                said.message
+                dropout.contains("from line 4002 to line 4501"),
+                "{name}: {dropout}"
             );
-            assert_eq!(
-                (recording.len(), recording.pieces.len()),
-                (9500, 2),
-                "{name}"
-            );
+            let left = (recording.len(), recording.pieces.len());
+            assert_eq!(left, (9500, 2), "{name}");
         }
-        assert!(load(|_, _| ()).warnings.iter().all(|w| w.code != "dropout"));
+        assert!(!warns(&load(|_, _| ()), "dropout"));
         // It slows down, rests at a reversal, and is told where it is.
         let homed = load(|i, row| {
             let phase = match i {
@@ -330,11 +304,7 @@ mod tests {
                 row[0] += 0.3;
             }
         });
-        assert!(
-            homed.warnings.iter().all(|w| w.code != "dropout"),
-            "{:?}",
-            homed.warnings
-        );
+        assert!(!warns(&homed, "dropout"), "{:?}", homed.warnings);
     }
 
     /// What an axis of 3 kg does and takes against 4 N and 6 N·s/m, with noise of 20 mN or rounded to `coarse`, beside a weight (N):
@@ -365,12 +335,10 @@ mod tests {
         (0..40 * rate_hz).map(row).collect()
     }
 
-    fn read(rows: &[[f64; 3]]) -> Recording {
+    fn of_rows(rows: &[[f64; 3]]) -> Recording {
         let line = |[t, x, f]: &[f64; 3]| format!("{t:.4},{x:.7},{f:.5}\n");
         let text: String = rows.iter().map(line).collect();
-        let text = format!("t_s,x_m,force_N\n{text}");
-        load_csv(text.as_bytes(), "axis.csv", &LoadOptions::default())
-            .unwrap_or_else(|e| panic!("{e}"))
+        read(&format!("t_s,x_m,force_N\n{text}"))
     }
 
     fn mass(recording: &Recording) -> f64 {
@@ -405,16 +373,14 @@ mod tests {
         // Each mass takes a whole identification, so an axis of its own is identified once.
         for &(rate, weight, coarse, losses_s) in axes {
             let rows = axis(rate, weight, coarse);
-            let clean = read(&rows);
+            let clean = of_rows(&rows);
             let of_clean = mass(&clean);
             for &lost_s in losses_s {
                 let name = format!("{rate} Hz, {weight} N, {coarse:?}, {lost_s} s");
-                assert!(clean.warnings.iter().all(|w| w.code != "dropout"), "{name}");
+                assert!(!warns(&clean, "dropout"), "{name}");
                 let length = (lost_s * rate as f64) as usize;
-                let lossy = read(&without_effort(&rows, rate, length));
-                let said = lossy.warnings.iter().find(|w| w.code == "dropout");
-                let said = said.unwrap_or_else(|| panic!("{name}: nothing said"));
-                println!("{name}: {}", said.message);
+                let lossy = of_rows(&without_effort(&rows, rate, length));
+                println!("{name}: {}", said(&lossy, "dropout"));
                 // One near a reversal may pass for what the motion takes.
                 let left_out = (clean.len() - lossy.len()) / length;
                 assert!((6..=8).contains(&left_out), "{name}: {left_out} of 8");
@@ -460,12 +426,8 @@ mod tests {
                 x += dt * v;
                 [t, (x / 1e-6).round() * 1e-6, force]
             };
-            let kept = read(&(0..40_000).map(row).collect::<Vec<_>>());
-            assert!(
-                kept.warnings.iter().all(|w| w.code != "dropout"),
-                "{name}: {:?}",
-                kept.warnings
-            );
+            let kept = of_rows(&(0..40_000).map(row).collect::<Vec<_>>());
+            assert!(!warns(&kept, "dropout"), "{name}: {:?}", kept.warnings);
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Why a recording cannot be used: file, place, reason, remedy.
 
+use std::fmt::Display;
+
 use thiserror::Error;
 
 use super::places;
@@ -21,109 +23,21 @@ pub enum Problem {
     /// The operating system refused to open or read the file.
     #[error("cannot be read: {0}; check the path and its permissions")]
     Io(#[from] std::io::Error),
-    /// More bytes than [`LoadOptions::max_bytes`](super::LoadOptions::max_bytes).
-    #[error(
-        "{bytes} bytes exceed the limit of {limit} bytes; split the recording, or record fewer columns"
-    )]
-    TooLarge {
-        /// Size of the file (bytes).
-        bytes: u64,
-        /// The limit (bytes).
-        limit: u64,
+    /// A row without a sample: a cell of it is no number, or its cells are not those of the header.
+    #[error("{found}; {remedy}")]
+    Row {
+        /// Place and reason.
+        found: String,
+        /// What to do about it.
+        remedy: &'static str,
     },
-    /// More samples than [`LoadOptions::max_samples`](super::LoadOptions::max_samples).
-    #[error(
-        "more than {limit} samples (reached at {at}); split the recording, or keep every n-th sample"
-    )]
-    TooManySamples {
-        /// Where the limit was passed.
-        at: String,
-        /// The limit (samples).
-        limit: usize,
-    },
-    /// No byte, or nothing but blank and `#` lines.
-    #[error("is empty; expected a CSV header such as `t_s,x_m,force_N` and samples below it")]
-    Empty,
-    /// A header without samples, or too few samples to have a sample time.
-    #[error("holds {samples} samples; at least {needed} are needed")]
-    TooShort {
-        /// Samples found.
-        samples: usize,
-        /// Samples needed.
-        needed: usize,
-    },
-    /// The first line holds numbers.
-    #[error(
-        "line {line}: `{first}` is a number where the header should be; put the column names with their SI units in front, such as `t_s,x_m,force_N`{}",
-        by_place(*columns, maps)
-    )]
-    NoHeader {
-        /// Line of the file, from 1.
-        line: u64,
-        /// The first cell.
-        first: String,
-        /// How many columns there are.
-        columns: usize,
-        /// The options that would read the file, if its numbers are what they look like.
-        maps: Vec<String>,
-    },
-    /// Not separated by commas.
-    #[error(
-        "line {line}: the columns are separated by {found}; export with commas between columns and points in numbers"
-    )]
-    Separator {
-        /// Line of the file, from 1.
-        line: u64,
-        /// The separator found, in words.
-        found: &'static str,
-    },
-    /// Not text, or not in UTF-8.
-    #[error("line {line}: {what}; export as plain CSV in UTF-8")]
-    NotText {
-        /// Line of the file, from 1.
-        line: u64,
-        /// What was met.
-        what: String,
-    },
-    /// A row with another number of cells than the header.
-    #[error("line {line}: {cells} cells where the header has {columns}; {hint}")]
-    Ragged {
-        /// Line of the file, from 1.
-        line: u64,
-        /// Cells in the row.
-        cells: usize,
-        /// Columns in the header.
-        columns: usize,
-        /// What to look at.
-        hint: &'static str,
-    },
-    /// A cell that is empty, text, NaN or infinite.
-    #[error("{at}, column `{column}`: {what}; correct it, or cut the recording there")]
-    Cell {
-        /// Line (CSV) or element (`.mat`), in words.
-        at: String,
-        /// Name of the column.
-        column: String,
-        /// What the cell holds.
-        what: String,
-    },
-    /// Roles without a column, or with two, or with one of another axis: everything at once.
-    #[error("{complaints}; the file has {listing}{}", proposal(maps))]
+    /// Columns whose names say too little: a role without one, or with two, or with one of another axis.
+    #[error("{found}")]
     Columns {
-        /// What is missing or ambiguous.
-        complaints: String,
-        /// What the file has.
-        listing: String,
-        /// The options that would read the file, as far as its names let them be guessed.
+        /// Everything that is missing or ambiguous at once, and what the file has.
+        found: String,
+        /// The options that would read the file, as far as names and numbers let them be guessed.
         maps: Vec<String>,
-    },
-    /// A `--map` that cannot be followed.
-    #[error("--map {map}: {reason}")]
-    Map {
-        /// The mapping as given.
-        map: String,
-        /// Why not, and what would work.
-        reason: String,
     },
     /// An `--ignore` of a column that is not there.
     #[error("--ignore {name}: there is no such column; the file has {listing}")]
@@ -133,86 +47,92 @@ pub enum Problem {
         /// What the file has.
         listing: String,
     },
-    /// A `--sign` other than 1 and -1.
-    #[error(
-        "--sign {0} is neither 1 nor -1; give `--sign -1` where the effort opposes the model's convention (positive against motion in +x)"
-    )]
-    Sign(f64),
-    /// Time that does not advance.
-    #[error("{at}: time {how} (from {from} s to {to} s); {remedy}")]
-    Time {
-        /// Line or sample.
-        at: String,
-        /// "runs backwards" or "stands still".
-        how: &'static str,
-        /// The time before (s).
-        from: f64,
-        /// The time there (s).
-        to: f64,
-        /// What to do.
-        remedy: String,
-    },
-    /// A `.mat` file that is truncated, corrupt or of another version.
-    #[error("at byte {offset}: {reason}")]
-    Mat {
-        /// Byte of the file where the trouble starts.
-        offset: usize,
-        /// What is wrong and what to do.
-        reason: String,
-    },
-    /// A file of a kind that this build does not read.
-    #[error("is {what}; to read it, {remedy}")]
-    Format {
-        /// What it is.
-        what: &'static str,
-        /// What would read it.
-        remedy: String,
-    },
-    /// A file of columns by name that is damaged, or holds none.
-    #[error("is {reason}")]
-    Container {
-        /// What it is and what to do.
-        reason: String,
-    },
-    /// Variables of one recording with different lengths.
-    #[error(
-        "`{first}` has {first_len} samples, `{second}` {second_len}; map variables of equal length"
-    )]
-    Lengths {
-        /// A variable.
-        first: String,
-        /// Its length.
-        first_len: usize,
-        /// Another one.
-        second: String,
-        /// Its length.
-        second_len: usize,
-    },
-    /// A time window that holds no samples.
-    #[error("no samples between {from} s and {to} s; the recording covers {start} s to {end} s")]
-    Window {
-        /// Start of the window (s).
-        from: f64,
-        /// End of the window (s), excluded.
-        to: f64,
-        /// First time stamp (s).
-        start: f64,
-        /// Last time stamp (s).
-        end: f64,
-    },
+    /// Anything else, which nobody needs to tell apart.
+    #[error("{0}")]
+    Other(String),
 }
 
 impl Problem {
+    /// A cell that is empty, text, NaN or infinite.
+    pub(super) fn cell(at: impl Display, column: &str, what: impl Display) -> Self {
+        Self::Row {
+            found: format!("{at}, column `{column}`: {what}"),
+            remedy: "correct it, or cut the recording there",
+        }
+    }
+
+    /// More bytes than [`LoadOptions::max_bytes`](super::LoadOptions::max_bytes) allow.
+    pub(super) fn too_large(bytes: u64, limit: u64) -> Self {
+        Self::Other(format!(
+            "{bytes} bytes exceed the limit of {limit} bytes; split the recording, or record fewer columns"
+        ))
+    }
+
+    /// More samples than [`LoadOptions::max_samples`](super::LoadOptions::max_samples).
+    pub(super) fn too_many_samples(at: impl Display, limit: usize) -> Self {
+        Self::Other(format!(
+            "more than {limit} samples (reached at {at}); split the recording, or keep every n-th sample"
+        ))
+    }
+
+    /// Too few samples to have a sample time.
+    pub(super) fn too_short(samples: usize) -> Self {
+        Self::Other(format!("holds {samples} samples; at least 2 are needed"))
+    }
+
+    /// Nothing but blank lines and remarks.
+    pub(super) fn empty() -> Self {
+        Self::Other(
+            "is empty; expected a CSV header such as `t_s,x_m,force_N` and samples below it".into(),
+        )
+    }
+
+    /// No text.
+    pub(super) fn not_text(line: u64, what: &str) -> Self {
+        Self::Other(format!("line {line}: {what}; export as plain CSV in UTF-8"))
+    }
+
+    /// A `--map` that cannot be followed, and what would work.
+    pub(super) fn map(map: impl Display, reason: impl Display) -> Self {
+        Self::Other(format!("--map {map}: {reason}"))
+    }
+
+    /// A row of numbers where the header should be, over so many columns.
+    pub(super) fn no_header(line: u64, first: &str, columns: usize, maps: Vec<String>) -> Self {
+        let like = match maps.as_slice() {
+            [] => "NAME=column1".to_owned(),
+            maps => format!(
+                "by their numbers, if the units are right, {}",
+                places::offered(maps)
+            ),
+        };
+        Self::Columns {
+            found: format!(
+                "line {line}: `{first}` is a number where the header should be; put the column names with their SI units in front, such as `t_s,x_m,force_N`, or map column1 to column{columns}: {like}"
+            ),
+            maps,
+        }
+    }
+
+    /// What is missing or ambiguous in what the file has, with the options that would read it.
+    pub(super) fn columns(complaints: &str, listing: &str, maps: Vec<String>) -> Self {
+        let proposal = match maps.as_slice() {
+            [] => String::new(),
+            maps => format!(
+                ". Rename the columns with their SI units, or, if the guess is right, give {}",
+                places::offered(maps)
+            ),
+        };
+        Self::Columns {
+            found: format!("{complaints}; the file has {listing}{proposal}"),
+            maps,
+        }
+    }
+
     /// Place and reason without the remedy.
     pub(super) fn found(&self) -> String {
         match self {
-            Problem::Cell { at, column, what } => format!("{at}, column `{column}`: {what}"),
-            Problem::Ragged {
-                line,
-                cells,
-                columns,
-                ..
-            } => format!("line {line}: {cells} cells where the header has {columns}"),
+            Problem::Row { found, .. } => found.clone(),
             other => other.to_string(),
         }
     }
@@ -233,34 +153,8 @@ impl Problem {
     /// The options of the command that would read the file, where names and units let them be guessed.
     pub fn maps(&self) -> &[String] {
         match self {
-            Problem::Columns { maps, .. } | Problem::NoHeader { maps, .. } => maps,
+            Self::Columns { maps, .. } => maps,
             _ => &[],
         }
-    }
-}
-
-fn by_place(columns: usize, maps: &[String]) -> String {
-    let like = match maps {
-        [] => "NAME=column1".to_owned(),
-        maps => format!(
-            "by their numbers, if the units are right, {}{}",
-            maps.join(" "),
-            places::said(maps)
-        ),
-    };
-    match columns {
-        0 => String::new(),
-        n => format!(", or map column1 to column{n}: {like}"),
-    }
-}
-
-fn proposal(maps: &[String]) -> String {
-    match maps {
-        [] => String::new(),
-        maps => format!(
-            ". Rename the columns with their SI units, or, if the guess is right, give {}{}",
-            maps.join(" "),
-            places::said(maps)
-        ),
     }
 }

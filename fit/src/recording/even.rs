@@ -51,14 +51,12 @@ pub(super) fn regularise(t: &mut [f64], warnings: &mut Vec<Warning>) {
         }
     }
     if let Some((step, resolution, change)) = said {
-        warnings.push(Warning::new(
+        warnings.push(warning!(
             "coarse-time",
-            format!(
-                "the time stamps have a resolution of {}: replaced by even ones {} apart, none moved by more than {}",
-                quantity(resolution, "s"),
-                quantity(step, "s"),
-                quantity(change, "s")
-            ),
+            "the time stamps have a resolution of {}: replaced by even ones {} apart, none moved by more than {}",
+            quantity(resolution, "s"),
+            quantity(step, "s"),
+            quantity(change, "s")
         ));
     }
 }
@@ -144,13 +142,11 @@ pub(super) fn resample(frame: &mut Frame, warnings: &mut Vec<Warning>) {
         0 => String::new(),
         n => format!(", {n} lost ones bridged"),
     };
-    warnings.push(Warning::new(
+    warnings.push(warning!(
         "resampled",
-        format!(
-            "{moved} of {} samples are not evenly spaced: brought to even times {} apart by cubic interpolation{lost}",
-            frame.t_s.len(),
-            quantity(first.step, "s")
-        ),
+        "{moved} of {} samples are not evenly spaced: brought to even times {} apart by cubic interpolation{lost}",
+        frame.t_s.len(),
+        quantity(first.step, "s")
     ));
     let pieces = frame.pieces.clone();
     let each = |of: &dyn Fn(&Grid, Range<usize>) -> Vec<f64>, keep: &[f64]| -> Vec<f64> {

@@ -98,15 +98,6 @@ impl Reading {
         Some(format!("{} ({first}{others})", self.name))
     }
 
-    /// Leaves out samples, ascending.
-    pub(super) fn leave_out(&mut self, samples: &[usize]) {
-        let out = |i: usize| samples.binary_search(&i).is_ok();
-        lost::leave_out(&mut self.values, samples);
-        let before = |i: usize| samples.partition_point(|&s| s < i);
-        self.broken.1.retain(|&i| !out(i));
-        self.broken.1.iter_mut().for_each(|i| *i -= before(*i));
-    }
-
     /// Ends the reading of a column that holds something else than numbers.
     pub(super) fn refuse(&mut self, why: String) {
         self.values = Vec::new();
@@ -149,28 +140,21 @@ pub(super) fn sort(
     let names = extra.iter().map(|e| &e.name);
     let names: Vec<&str> = (names.filter(|n| !taken.contains(n)).map(String::as_str)).collect();
     if !names.is_empty() {
-        warnings.push(Warning::new(
+        warnings.push(warning!(
             "extra-columns",
-            format!(
-                "kept for what the effort may follow: {}; --ignore NAME leaves one out",
-                names.join(", ")
-            ),
+            "kept for what the effort may follow: {}; --ignore NAME leaves one out",
+            names.join(", ")
         ));
     }
     if !held.is_empty() {
-        warnings.push(Warning::new(
+        warnings.push(warning!(
             "held-values",
-            format!(
-                "no number, so the value before is taken: {}",
-                held.join(", ")
-            ),
+            "no number, so the value before is taken: {}",
+            held.join(", ")
         ));
     }
     if !left.is_empty() {
-        warnings.push(Warning::new(
-            "unused-columns",
-            format!("not used: {}", left.join(", ")),
-        ));
+        warnings.push(warning!("unused-columns", "not used: {}", left.join(", ")));
     }
     (extra, constant)
 }
@@ -230,14 +214,17 @@ pub(super) fn join((first, second): (&mut Sorted, Sorted), samples: (usize, usiz
 
 #[cfg(test)]
 mod tests {
-    use super::super::{DROPPED, LoadOptions, Recording, load_csv};
+    use super::super::tests::{options, said};
+    use super::super::{DROPPED, Recording, RecordingError, load_csv};
+    use preslide_host_tests::refusal::refuses;
 
     fn load(text: &str, ignore: &[&str]) -> Recording {
-        let options = LoadOptions {
-            ignore: ignore.iter().map(|&i| i.to_owned()).collect(),
-            ..LoadOptions::default()
-        };
-        load_csv(text.as_bytes(), "extra.csv", &options).unwrap_or_else(|e| panic!("{e}"))
+        without(text, ignore).unwrap_or_else(|e| panic!("{e}"))
+    }
+    fn without(text: &str, ignore: &[&str]) -> Result<Recording, RecordingError> {
+        let mut options = options(&[]);
+        options.ignore = ignore.iter().map(|&i| i.to_owned()).collect();
+        load_csv(text.as_bytes(), "extra.csv", &options)
     }
     fn names(recording: &Recording) -> Vec<&str> {
         recording.extra.iter().map(|e| e.name.as_str()).collect()
@@ -250,13 +237,9 @@ mod tests {
         let all = load(FILE, &[]);
         assert_eq!(names(&all), ["joint5_q_rad", "vin_V"]);
         assert_eq!(all.extra[0].values, [0.5, 0.7, 0.9]);
-        let said = |code: &str| {
-            let mut of = all.warnings.iter().filter(|w| w.code == code);
-            of.next().map_or("", |w| w.message.as_str())
-        };
-        assert!(said("extra-columns").contains("joint5_q_rad, vin_V"));
+        assert!(said(&all, "extra-columns").contains("joint5_q_rad, vin_V"));
         for part in ["mode (always 2)", "note (line 2: `a` is not a number)"] {
-            assert!(said("unused-columns").contains(part), "{all:?}");
+            assert!(said(&all, "unused-columns").contains(part), "{all:?}");
         }
         assert_eq!(names(&load(FILE, &["vin_V"])), ["joint5_q_rad"]);
         let window = all.slice_time(0.5, 3.0).expect("two samples");
@@ -265,12 +248,7 @@ mod tests {
 
     #[test]
     fn a_name_to_ignore_that_is_not_there_is_refused() {
-        let options = LoadOptions {
-            ignore: vec!["vin".into()],
-            ..LoadOptions::default()
-        };
-        let error = load_csv(FILE.as_bytes(), "extra.csv", &options).expect_err("no vin");
-        assert!(error.to_string().contains("vin_V"), "{error}");
+        refuses(without(FILE, &["vin"]), &["vin_V"]);
     }
 
     #[test]
@@ -284,11 +262,6 @@ mod tests {
         let without = load("t_s,x_m,force_N\n0,0,1\n1,1,1\n2,0,1\n", &[]);
         let whole = Recording::join(vec![load(FILE, &[]), without]).expect("joined");
         assert!(whole.extra.is_empty());
-        let dropped = whole.warnings.iter().find(|w| w.code == DROPPED);
-        assert!(
-            dropped.is_some_and(|w| w.message.contains("vin_V")),
-            "{:?}",
-            whole.warnings
-        );
+        assert!(said(&whole, DROPPED).contains("vin_V"));
     }
 }

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::Extra;
 use super::known::Slot;
+use super::{Extra, samples};
 
 /// Columns of equal length, but for those that are not there, and how they hang together in time.
 pub(super) struct Frame {
@@ -56,24 +56,16 @@ impl Frame {
 
     /// Keeps some of the samples, in pieces as they are.
     pub(super) fn keep(&mut self, kept: &[bool]) {
-        fn keep<T>(values: &mut Vec<T>, kept: &[bool]) {
-            let mut flags = kept.iter();
-            values.retain(|_| *flags.next().unwrap_or(&true));
+        self.t_s = samples::kept(&self.t_s, kept);
+        let numbers = self.numbers.iter_mut().map(|c| &mut c.1);
+        for values in numbers.chain(self.extra.iter_mut().map(|e| &mut e.values)) {
+            *values = samples::kept(values, kept);
         }
-        keep(&mut self.t_s, kept);
-        self.numbers.iter_mut().for_each(|c| keep(&mut c.1, kept));
-        self.parts.iter_mut().for_each(|c| keep(&mut c.1, kept));
-        self.extra
-            .iter_mut()
-            .for_each(|e| keep(&mut e.values, kept));
-        let mut before = vec![0; kept.len() + 1];
-        for (i, &kept) in kept.iter().enumerate() {
-            before[i + 1] = before[i] + usize::from(kept);
+        for (_, numbers) in &mut self.parts {
+            *numbers = samples::kept(numbers, kept);
         }
         for ranges in [&mut self.runs, &mut self.pieces] {
-            ranges
-                .iter_mut()
-                .for_each(|r| *r = before[r.start]..before[r.end]);
+            *ranges = samples::ranges(ranges, |r| samples::count(&kept[r.clone()]));
             ranges.retain(|r| !r.is_empty());
         }
     }

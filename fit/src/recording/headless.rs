@@ -1,48 +1,49 @@
 //! Text without a header: what its columns look like, from its first rows.
 
 use super::error::Problem;
-use super::layout::{self, Layout};
+use super::layout::{self, Layout, Line};
 use super::propose::{quoted, sample_time};
 
 /// Names the columns of a text that does not: those of a joint state as `ros2 topic echo --csv` writes it by what they are, others by number. Returns
 /// what is to be said where they are not mapped.
-pub(super) fn name(layout: &mut Layout, samples: &[u8]) -> Option<Problem> {
-    let lines = layout::lines(samples);
-    let rows: Vec<Vec<String>> = lines
-        .iter()
-        .filter(|l| !l.text.trim().is_empty())
-        .map(|l| layout::cells(&l.text, layout.separator))
+pub(super) fn name(layout: &mut Layout, head: &[Line]) -> Option<Problem> {
+    let is_row = |l: &&Line| l.number >= layout.first_line && !l.text.trim().is_empty();
+    let rows = head.iter().filter(is_row);
+    let rows: Vec<Vec<&str>> = rows
+        .map(|l| layout::cells(&l.text, layout.separator, true))
         .collect();
     let first = rows.first()?;
     if let Some(names) = joint_state(first) {
         layout.names = names;
         return None;
     }
-    let columns = first.len() - usize::from(first.last().is_some_and(String::is_empty));
+    let columns = first.len() - usize::from(first.last() == Some(&""));
     layout.names = (1..=columns).map(|n| format!("column{n}")).collect();
     let comma = layout.separator != b',';
-    let numbers = |row: &Vec<String>| -> Option<Vec<f64>> {
+    let numbers = |row: &Vec<&str>| -> Option<Vec<f64>> {
         let cells = row.get(..columns)?.iter();
         cells.map(|c| layout::parse(c, comma)).collect()
     };
     let rows: Vec<Vec<f64>> = rows.iter().filter_map(numbers).collect();
     let column = |i: usize| rows.iter().map(|row| row[i]).collect();
     let values: Vec<Vec<f64>> = (0..columns).map(column).collect();
-    Some(Problem::NoHeader {
-        line: layout.first_line,
-        first: first[0].clone(),
+    let maps = guess(&values, layout.sample_time);
+    Some(Problem::no_header(
+        layout.first_line,
+        first[0],
         columns,
-        maps: guess(&values, layout.sample_time),
-    })
+        maps,
+    ))
 }
 
 /// The columns of `sec,nanosec,frame,NAME…,POSITION…,VELOCITY…,EFFORT…` with as many of each as there are joints.
-fn joint_state(cells: &[String]) -> Option<Vec<String>> {
-    let is_number = |cell: &String| layout::parse(cell, false).is_some();
+fn joint_state(cells: &[&str]) -> Option<Vec<String>> {
+    let is_number = |cell: &str| layout::parse(cell, false).is_some();
     let whole = |at: usize| cells.get(at)?.parse::<u64>().ok();
     let (seconds, nanoseconds) = (whole(0)?, whole(1)?);
-    let frame = cells.get(2).filter(|cell| !is_number(cell))?;
-    let joints: Vec<&String> = cells[3..].iter().take_while(|c| !is_number(c)).collect();
+    let frame = *cells.get(2).filter(|cell| !is_number(cell))?;
+    let joints = cells[3..].iter().copied();
+    let joints: Vec<&str> = joints.take_while(|c| !is_number(c)).collect();
     let numbers = cells.len() - 3 - joints.len();
     let is_stamp = seconds > 0 && nanoseconds < 1_000_000_000;
     if joints.is_empty() || joints.iter().any(|j| j.is_empty()) || !is_stamp {

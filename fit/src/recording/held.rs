@@ -39,25 +39,19 @@ pub(super) fn keep_readings(frame: &mut Frame, place: &mut Location, warnings: &
     let samples = frame.t_s.len();
     let weights = blackman_sinc(held.rows);
     for (other, values) in &mut frame.numbers {
-        if *other != slot && !is_held(values, &pieces) {
+        if *other != slot && self::held(values, &pieces).is_none() {
             smooth(values, &pieces, held, &weights);
         }
     }
     let is_read: Vec<bool> = (0..samples).map(|i| i % held.rows == held.first).collect();
     frame.keep(&is_read);
     place.keep(&is_read);
-    warnings.push(Warning::new(
+    warnings.push(warning!(
         "held",
-        format!(
-            "the {name} is read every {} rows only and repeated in between: {} of {samples} samples are kept",
-            held.rows,
-            frame.t_s.len()
-        ),
+        "the {name} is read every {} rows only and repeated in between: {} of {samples} samples are kept",
+        held.rows,
+        frame.t_s.len()
     ));
-}
-
-fn is_held(values: &[f64], pieces: &[Range<usize>]) -> bool {
-    held(values, pieces).is_some()
 }
 
 /// How a column is held, if it is.

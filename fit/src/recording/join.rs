@@ -55,15 +55,13 @@ impl Recording {
             )?;
             let ratio = next.sample_time_s / whole.sample_time_s;
             if !(1.0 / SAME_RATE..SAME_RATE).contains(&ratio) {
-                whole.warnings.push(Warning::new(
+                whole.warnings.push(warning!(
                     RATES,
-                    format!(
-                        "{} is sampled every {}, {} every {}: each keeps its rate, and a second of it counts as one of the other; a diagnosis brings them to one, and leaves out what is sampled three times slower",
-                        whole.name,
-                        quantity(whole.sample_time_s, "s"),
-                        next.name,
-                        quantity(next.sample_time_s, "s")
-                    ),
+                    "{} is sampled every {}, {} every {}: each keeps its rate, and a second of it counts as one of the other; a diagnosis brings them to one, and leaves out what is sampled three times slower",
+                    whole.name,
+                    quantity(whole.sample_time_s, "s"),
+                    next.name,
+                    quantity(next.sample_time_s, "s")
                 ));
             }
             let offset = whole.len();
@@ -77,12 +75,10 @@ impl Recording {
             );
             (whole.extra, whole.constant_extra) = further;
             if !dropped.is_empty() {
-                whole.warnings.push(Warning::new(
+                whole.warnings.push(warning!(
                     DROPPED,
-                    format!(
-                        "left out, as not every recording has them: {}",
-                        dropped.join(", ")
-                    ),
+                    "left out, as not every recording has them: {}",
+                    dropped.join(", ")
                 ));
             }
             let after = |labels: &[u32]| labels.iter().max().map_or(0, |last| last + 1);
@@ -140,12 +136,10 @@ fn flip_alike(recordings: &mut [Recording]) -> Option<Warning> {
         names.push(recording.name.clone());
     }
     (!names.is_empty()).then(|| {
-        Warning::new(
+        warning!(
             FLIPPED_ALIKE,
-            format!(
-                "the effort of {} was multiplied by -1 like that of {opposed}: its own motion is too short to show the sign; --sign -1 says so of all and silences this",
-                names.join(", ")
-            ),
+            "the effort of {} was multiplied by -1 like that of {opposed}: its own motion is too short to show the sign; --sign -1 says so of all and silences this",
+            names.join(", ")
         )
     })
 }

@@ -1,13 +1,12 @@
 //! JSON: an object a line, an array of objects, or an object of arrays.
 
 use std::collections::HashMap;
-use std::io::Read;
 
 use serde_json::Value;
 
 use super::clock::Clock;
 use super::error::Problem;
-use super::layout::Layout;
+use super::layout::{Layout, Line};
 use super::variables::Variable;
 
 /// Between cells of the rows that lines become.
@@ -19,10 +18,13 @@ const MARK: &[u8] = b"\xef\xbb\xbf";
 /// Longest array within a row that is a column for each of its elements.
 const MOST_ELEMENTS: usize = 64;
 
+/// An object that holds a sample.
+const EXAMPLE: &str = r#"{"t_s": 0.0, "q_rad": 0.1, "torque_Nm": 0.2}"#;
+
 /// What a file of JSON holds.
 pub(super) enum Content {
     /// Rows of cells, each at its line of the file.
-    Lines(Layout, String),
+    Lines(Layout, Vec<Line>),
     Columns(Vec<Variable>),
 }
 
@@ -34,21 +36,16 @@ pub(super) fn is_json(head: &[u8]) -> bool {
     matches!(start, (Some(b'{'), Some(b'"')) | (Some(b'['), Some(b'{')))
 }
 
-/// Reads all of it, at most `limit` bytes.
-pub(super) fn read(input: impl Read, limit: u64) -> Result<Content, Problem> {
-    let mut text = Vec::new();
-    let bytes = input.take(limit.saturating_add(1)).read_to_end(&mut text)? as u64;
-    if bytes > limit {
-        return Err(Problem::TooLarge { bytes, limit });
-    }
-    let text = text.strip_prefix(MARK).unwrap_or(&text);
+/// Reads the whole text.
+pub(super) fn read(text: &[u8]) -> Result<Content, Problem> {
+    let text = text.strip_prefix(MARK).unwrap_or(text);
     let text = finite(String::from_utf8_lossy(text).into_owned());
     match serde_json::from_str::<Value>(&text) {
         Ok(document) => columns(&document).map(Content::Columns),
-        Err(error) => lines(&text).ok_or_else(|| Problem::Container {
-            reason: format!(
-                "JSON that cannot be read ({error}); write one object a line, such as {{\"t_s\": 0.0, \"q_rad\": 0.1, \"torque_Nm\": 0.2}}"
-            ),
+        Err(error) => lines(&text).ok_or_else(|| {
+            Problem::Other(format!(
+                "is JSON that cannot be read ({error}); write one object a line, such as {EXAMPLE}"
+            ))
         }),
     }
 }
@@ -88,26 +85,29 @@ fn lines(text: &str) -> Option<Content> {
     if names.is_empty() {
         return None;
     }
-    let mut written = String::new();
-    for row in rows {
-        match row {
-            Ok(cells) => {
-                let mut row = vec![""; names.len()];
-                cells.iter().for_each(|(at, cell)| row[*at] = cell);
-                written += &row.join("\t");
+    let text = |row| match row {
+        Ok(cells) => {
+            let mut row = vec![String::new(); names.len()];
+            for (at, cell) in cells {
+                row[at] = cell;
             }
-            // No row, which its reader tells.
-            Err(line) => written += line.trim(),
+            row.join("\t")
         }
-        written.push('\n');
-    }
+        // No row, which its reader tells.
+        Err(line) => str::trim(line).to_owned(),
+    };
+    let lines = (1..).zip(rows).map(|(number, row)| Line {
+        text: text(row),
+        number,
+    });
+    let lines = lines.collect();
     let layout = Layout {
         separator: SEPARATOR as u8,
         names,
         first_line: 1,
         ..Layout::default()
     };
-    Some(Content::Lines(layout, written))
+    Some(Content::Lines(layout, lines))
 }
 
 /// The name of a part of what has that name.
@@ -165,9 +165,9 @@ fn columns(document: &Value) -> Result<Vec<Variable>, Problem> {
     };
     match found.is_empty() {
         false => Ok(found),
-        true => Err(Problem::Container {
-            reason: "JSON without an array of objects or arrays of numbers; write one object a sample, such as {\"t_s\": 0.0, \"q_rad\": 0.1, \"torque_Nm\": 0.2}".into(),
-        }),
+        true => Err(Problem::Other(format!(
+            "is JSON without an array of objects or arrays of numbers; write one object a sample, such as {EXAMPLE}"
+        ))),
     }
 }
 

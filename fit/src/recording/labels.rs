@@ -32,17 +32,17 @@ pub(super) fn whole(text: &str) -> Option<u32> {
 }
 
 impl Labels {
-    /// Takes the next cell; false where there are too many different ones.
-    pub(super) fn push(&mut self, text: &str) -> bool {
+    /// Takes the next cell.
+    pub(super) fn push(&mut self, text: &str) -> Result<(), &'static str> {
         // Samples of one part follow each other: most cells repeat the one before.
         if let Some(&last) = self.ids.last()
             && self.texts.get(last as usize).is_some_and(|t| t == text)
         {
             self.ids.push(last);
-            return true;
+            return Ok(());
         }
         if self.texts.len() >= MAX_LABELS {
-            return false;
+            return Err("holds over a million different parts");
         }
         let next = self.texts.len() as u32;
         let id = *self.index.entry(text.to_string()).or_insert(next);
@@ -50,12 +50,7 @@ impl Labels {
             self.texts.push(text.to_string());
         }
         self.ids.push(id);
-        true
-    }
-
-    /// Takes the last cell off again.
-    pub(super) fn pop(&mut self) {
-        self.ids.pop();
+        Ok(())
     }
 
     /// The numbers of the parts: as they stand in the file, or, where they are words and the
@@ -77,12 +72,7 @@ impl Labels {
         }
         let numbers: Result<Vec<u32>, u32> = (0u32..)
             .zip(&self.texts)
-            .map(|(id, text)| match whole(text) {
-                Some(number) => Ok(number),
-                // A row that was taken off again left its text.
-                None if !self.ids.contains(&id) => Ok(0),
-                None => Err(id),
-            })
+            .map(|(id, text)| whole(text).ok_or(id))
             .collect();
         match numbers {
             Ok(numbers) => Ok(self
@@ -91,13 +81,11 @@ impl Labels {
                 .filter_map(|&id| numbers.get(id as usize).copied())
                 .collect()),
             Err(_) if source.mapped => {
-                warnings.push(Warning::new(
+                warnings.push(warning!(
                     "labels-numbered",
-                    format!(
-                        "{} holds words, numbered 0 to {} in order of appearance",
-                        source.known.name,
-                        self.texts.len().saturating_sub(1)
-                    ),
+                    "{} holds words, numbered 0 to {} in order of appearance",
+                    source.known.name,
+                    self.texts.len().saturating_sub(1)
                 ));
                 Ok(self.ids)
             }

@@ -1,6 +1,6 @@
 //! How a text file is laid out: encoding, line ends, separator, where the header, its units and the samples are.
 
-use std::io::{self, Read};
+use std::io::{BufRead, BufReader, Read};
 
 use super::error::Problem;
 use super::words::quantity;
@@ -18,101 +18,89 @@ const HEAD_LINES: usize = 400;
 /// Lines between the last sample line's header and the samples.
 const LINES_BETWEEN: usize = 6;
 
-/// What is said of a line beyond [`MAX_LINE_BYTES`].
-pub(super) const LONG_LINE: &str = "a line is longer than 64 KiB, which is no row of samples";
+pub(super) struct Line {
+    /// Without its end.
+    pub(super) text: String,
+    /// From 1.
+    pub(super) number: u64,
+}
 
-/// Text in UTF-8 with `\n` at line ends, from UTF-8, from UTF-16 with its mark, and from bytes of any other kind as they are.
-pub(super) fn text(input: impl Read) -> impl Read {
+/// The lines of a text, which end with `\n`, `\r\n` or `\r`.
+pub(super) struct Lines<R> {
+    input: R,
+    number: u64,
+    after_return: bool,
+}
+
+/// Reads UTF-8, UTF-16 with its mark, and of any other kind each byte as a character of Latin-1.
+pub(super) fn lines(input: impl Read) -> Lines<impl BufRead> {
     let decoded = encoding_rs_io::DecodeReaderBytesBuilder::new()
         .bom_sniffing(true)
         .strip_bom(true)
         .utf8_passthru(true)
         .build(input);
     Lines {
-        inner: decoded,
-        in_line: 0,
+        input: BufReader::new(decoded),
+        number: 0,
         after_return: false,
     }
 }
 
-/// Ends every line with `\n`, and fails where one exceeds [`MAX_LINE_BYTES`].
-struct Lines<R> {
-    inner: R,
-    in_line: usize,
-    after_return: bool,
-}
+impl<R: BufRead> Lines<R> {
+    /// The lines that decide the layout.
+    pub(super) fn head(&mut self) -> Result<Vec<Line>, Problem> {
+        let (mut head, mut bytes) = (Vec::new(), 0);
+        while head.len() < HEAD_LINES && bytes < HEAD_BYTES {
+            let Some(line) = self.line()? else { break };
+            bytes += line.text.len();
+            head.push(line);
+        }
+        Ok(head)
+    }
 
-impl<R: Read> Read for Lines<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+    /// The next line; `None` after the last.
+    fn line(&mut self) -> Result<Option<Line>, Problem> {
+        self.number += 1;
+        let mut bytes = Vec::new();
         loop {
-            let n = self.inner.read(buffer)?;
-            let mut kept = 0;
-            for i in 0..n {
-                let byte = buffer[i];
-                if byte == b'\n' && std::mem::take(&mut self.after_return) {
-                    continue;
+            let buffer = self.input.fill_buf()?;
+            let Some(&first) = buffer.first() else {
+                if bytes.is_empty() {
+                    return Ok(None);
                 }
-                self.after_return = byte == b'\r';
-                let ends = byte == b'\n' || byte == b'\r';
-                buffer[kept] = if ends { b'\n' } else { byte };
-                kept += 1;
-                self.in_line = if ends { 0 } else { self.in_line + 1 };
-                if self.in_line > MAX_LINE_BYTES {
-                    return Err(io::Error::new(io::ErrorKind::InvalidData, LONG_LINE));
-                }
+                break;
+            };
+            if std::mem::take(&mut self.after_return) && first == b'\n' {
+                self.input.consume(1);
+                continue;
             }
-            // Nothing kept of something read is not the end.
-            if kept > 0 || n == 0 {
-                return Ok(kept);
+            let end = buffer.iter().position(|b| matches!(b, b'\n' | b'\r'));
+            let length = end.unwrap_or(buffer.len());
+            bytes.extend_from_slice(&buffer[..length]);
+            self.after_return = buffer.get(length) == Some(&b'\r');
+            self.input.consume(length + usize::from(end.is_some()));
+            if bytes.len() > MAX_LINE_BYTES {
+                let what = "a line is longer than 64 KiB, which is no row of samples";
+                return Err(Problem::not_text(self.number, what));
+            }
+            if end.is_some() {
+                break;
             }
         }
+        let latin =
+            |e: std::string::FromUtf8Error| e.as_bytes().iter().map(|&b| char::from(b)).collect();
+        Ok(Some(Line {
+            text: String::from_utf8(bytes).unwrap_or_else(latin),
+            number: self.number,
+        }))
     }
 }
 
-/// One blank for any number of them, none at the ends of lines.
-pub(super) struct Squeezed<R> {
-    pub(super) inner: R,
-    /// A blank was met and not yet passed on; true at the start of a line.
-    pub(super) blank: bool,
-    pub(super) line_start: bool,
-    pub(super) held: Option<u8>,
-}
+impl<R: BufRead> Iterator for Lines<R> {
+    type Item = Result<Line, Problem>;
 
-impl<R: Read> Read for Squeezed<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        // Half of the room: every byte read may have a held blank before it.
-        let mut raw = vec![0; (buffer.len() / 2).max(1)];
-        loop {
-            if let Some(byte) = self.held.take() {
-                buffer[0] = byte;
-                return Ok(1);
-            }
-            let n = self.inner.read(&mut raw)?;
-            let mut out = Vec::with_capacity(2 * n);
-            for &byte in &raw[..n] {
-                match byte {
-                    b' ' | b'\t' => self.blank = true,
-                    b'\n' => {
-                        (self.blank, self.line_start) = (false, true);
-                        out.push(byte);
-                    }
-                    _ => {
-                        if self.blank && !self.line_start {
-                            out.push(b' ');
-                        }
-                        (self.blank, self.line_start) = (false, false);
-                        out.push(byte);
-                    }
-                }
-            }
-            if out.len() > buffer.len() {
-                self.held = out.pop();
-            }
-            buffer[..out.len()].copy_from_slice(&out);
-            if !out.is_empty() || n == 0 {
-                return Ok(out.len());
-            }
-        }
+    fn next(&mut self) -> Option<Self::Item> {
+        self.line().transpose()
     }
 }
 
@@ -135,8 +123,6 @@ pub(super) struct Layout {
     pub(super) names: Vec<String>,
     /// What the row of units says, empty where there is none.
     pub(super) units: Vec<String>,
-    /// Bytes of the head before the first sample.
-    pub(super) skip: usize,
     /// Line of the first sample, from 1.
     pub(super) first_line: u64,
     /// Nothing names the columns.
@@ -148,77 +134,23 @@ pub(super) struct Layout {
     pub(super) sample_time: Option<f64>,
 }
 
-pub(super) struct Line {
-    pub(super) text: String,
-    pub(super) number: u64,
-    pub(super) start: usize,
-    end: usize,
-}
-
-/// Reads the beginning of the text: the bytes, and whether there is more.
-pub(super) fn head(input: &mut impl Read) -> Result<Vec<u8>, Problem> {
-    let mut head = Vec::new();
-    match input.take(HEAD_BYTES as u64).read_to_end(&mut head) {
-        Ok(_) => Ok(head),
-        Err(error) => {
-            let line = 1 + head.iter().filter(|&&b| b == b'\n').count() as u64;
-            Err(io_problem(error, line))
+/// The cells of a line, without quotes; with `whole`, what stands in quotes is one cell, whatever it holds.
+pub(super) fn cells(line: &str, separator: u8, whole: bool) -> Vec<&str> {
+    let blanks = separator == b' ';
+    let between = |c: char| c == char::from(separator) || blanks && c == '\t';
+    let (mut cells, mut from) = (Vec::new(), 0);
+    for (at, end) in line.match_indices(between).chain([(line.len(), "")]) {
+        let cell = line[from..at].trim_ascii();
+        let is_open = cell.starts_with('"') && (cell.len() < 2 || !cell.ends_with('"'));
+        // A blank stands for any number of them.
+        if blanks && cell.is_empty() || whole && is_open && at < line.len() {
+            continue;
         }
+        let inside = cell.strip_prefix('"').and_then(|c| c.strip_suffix('"'));
+        cells.push(inside.unwrap_or(cell).trim_ascii());
+        from = at + end.len();
     }
-}
-
-/// What is wrong with the text, or with reading it.
-pub(super) fn io_problem(error: io::Error, line: u64) -> Problem {
-    if error.kind() == io::ErrorKind::InvalidData && error.to_string() == LONG_LINE {
-        Problem::NotText {
-            line,
-            what: LONG_LINE.into(),
-        }
-    } else {
-        Problem::Io(error)
-    }
-}
-
-/// The lines of the head, as many as decide the layout.
-pub(super) fn lines(head: &[u8]) -> Vec<Line> {
-    let mut start = 0;
-    let mut found = Vec::new();
-    for (number, bytes) in (1..).zip(head.split_inclusive(|&b| b == b'\n').take(HEAD_LINES)) {
-        let end = start + bytes.len();
-        // What is not UTF-8 is taken for Latin-1, in which every byte is a character.
-        let text = match std::str::from_utf8(bytes) {
-            Ok(text) => text.to_owned(),
-            Err(_) => bytes.iter().map(|&b| char::from(b)).collect(),
-        };
-        found.push(Line {
-            text: text
-                .trim_start_matches('\u{feff}')
-                .trim_end_matches('\n')
-                .to_owned(),
-            number,
-            start,
-            end,
-        });
-        start = end;
-    }
-    found
-}
-
-/// The cells of a line of the head, without quotes.
-pub(super) fn cells(line: &str, separator: u8) -> Vec<String> {
-    if separator == b' ' {
-        return line.split_whitespace().map(unquoted).collect();
-    }
-    let mut quoted = false;
-    let split = |c: char| {
-        quoted ^= c == '"';
-        !quoted && c == char::from(separator)
-    };
-    line.split(split).map(unquoted).collect()
-}
-
-fn unquoted(cell: &str) -> String {
-    cell.trim().trim_matches('"').trim().to_owned()
+    cells
 }
 
 /// The number in a cell; `comma` allows a decimal comma, without which one comma may be of thousands.
@@ -256,10 +188,8 @@ pub(super) const SEPARATORS: [u8; 5] = [b',', b';', b'\t', b'|', b' '];
 
 /// Cells and numbers of a line, where it looks like a row of samples.
 fn row(text: &str, separator: u8) -> Option<(usize, usize)> {
-    let mut cells = cells(text, separator);
-    if cells.last().is_some_and(String::is_empty) {
-        cells.pop();
-    }
+    let mut cells = cells(text, separator, true);
+    cells.pop_if(|last| last.is_empty());
     let numbers = cells
         .iter()
         .filter(|c| parse(c, separator != b',').is_some())
@@ -289,14 +219,15 @@ fn likeness(lines: &[Line], separator: u8) -> (f64, usize) {
 ///
 /// # Errors
 /// No text.
-pub(super) fn of(head: &[u8]) -> Result<Layout, Problem> {
-    let all = lines(head);
-    let layout = place(&all)?;
-    let (above, samples): (Vec<_>, Vec<_>) = all.iter().partition(|l| l.number < layout.first_line);
-    let has_point = |cell: String| cell.contains('.') && cell.parse::<f64>().is_ok();
-    let mut rows = samples.iter().map(|l| cells(&l.text, layout.separator));
+pub(super) fn of(head: &[Line]) -> Result<Layout, Problem> {
+    let layout = place(head)?;
+    let (above, samples) = head.split_at(head.partition_point(|l| l.number < layout.first_line));
+    let has_point = |cell: &str| cell.contains('.') && cell.parse::<f64>().is_ok();
+    let rows = samples
+        .iter()
+        .map(|l| cells(&l.text, layout.separator, true));
     let commas = match layout.separator {
-        b',' if rows.any(|row| row.into_iter().any(has_point)) => Commas::Thousands,
+        b',' if rows.flatten().any(has_point) => Commas::Thousands,
         b',' => Commas::Unsure,
         _ => Commas::Decimals,
     };
@@ -316,13 +247,11 @@ fn place(all: &[Line]) -> Result<Layout, Problem> {
         .filter(|l| !is_remark(l) && !is_blank(l))
         .collect();
     let Some(&first) = plain.first() else {
-        return Err(Problem::Empty);
+        return Err(Problem::empty());
     };
     if first.text.contains('\0') {
-        return Err(Problem::NotText {
-            line: first.number,
-            what: "a zero byte, this is no text file".into(),
-        });
+        let what = "a zero byte, this is no text file";
+        return Err(Problem::not_text(first.number, what));
     }
     let best = SEPARATORS
         .map(|separator| (separator, likeness(all, separator)))
@@ -333,16 +262,15 @@ fn place(all: &[Line]) -> Result<Layout, Problem> {
         Some((separator, (sum, width))) if sum > 0.0 => (separator, width),
         _ => (by_header(&first.text), 0),
     };
-    let layout = |names: Vec<String>, skip: usize, first_line: u64| Layout {
+    let layout = |names: Vec<String>, first_line: u64| Layout {
         separator,
         names,
-        skip,
         first_line,
         ..Layout::default()
     };
     let of_first = || {
-        let names = cells(&first.text, separator);
-        layout(names, first.end, first.number + 1)
+        let names = owned(&cells(&first.text, separator, true));
+        layout(names, first.number + 1)
     };
     let sample = plain
         .iter()
@@ -358,9 +286,9 @@ fn place(all: &[Line]) -> Result<Layout, Problem> {
         return Ok(match upper {
             Some((_, names)) if are_units(&header) => Layout {
                 units: header,
-                ..layout(names, data.start, data.number)
+                ..layout(names, data.number)
             },
-            _ => layout(header, data.start, data.number),
+            _ => layout(header, data.number),
         });
     }
     // Some tools write the header as a remark, of several the one with most names that say what they are; others between blanks.
@@ -381,41 +309,46 @@ fn place(all: &[Line]) -> Result<Layout, Problem> {
     let between_blanks = || {
         let lines = remarks.iter().chain(above().rev().map(|l| &l.text));
         let lines = lines.filter(|l| !l.contains(char::from(separator)));
-        let names = lines.map(|l| cells(l, b' '));
+        let names = lines.map(|l| owned(&cells(l, b' ', true)));
         let names = names.filter(|n| n.len() == width && said(n) > 0);
         names.max_by_key(said)
     };
     match remark.max_by_key(said).or_else(between_blanks) {
-        Some(header) => Ok(layout(header, data.start, data.number)),
+        Some(header) => Ok(layout(header, data.number)),
         // A row of samples whose cells are one too few or too many belongs to the header above it.
-        None if sample > 0 && are_words(&cells(&first.text, separator)) => Ok(of_first()),
+        None if sample > 0 && are_words(&cells(&first.text, separator, true)) => Ok(of_first()),
         None => Ok(Layout {
             headless: true,
-            ..layout(Vec::new(), data.start, data.number)
+            ..layout(Vec::new(), data.number)
         }),
     }
 }
 
-fn are_words(cells: &[String]) -> bool {
+fn owned(cells: &[&str]) -> Vec<String> {
+    cells.iter().map(|c| c.trim().to_owned()).collect()
+}
+
+fn are_words(cells: &[&str]) -> bool {
     cells.iter().all(|c| parse(c, true).is_none())
 }
 
-fn are_units(cells: &[String]) -> bool {
-    cells.iter().all(|c| c.is_empty() || units::is_unit(c))
+fn are_units(cells: &[impl AsRef<str>]) -> bool {
+    let mut cells = cells.iter().map(AsRef::as_ref);
+    cells.all(|c| c.is_empty() || units::is_unit(c))
 }
 
 /// The names of `width` columns, where the line may hold them: between the separator of the samples, or another one that is no blank.
 fn names(text: &str, separator: u8, width: usize) -> Option<Vec<String>> {
     let other = SEPARATORS[..4].iter().find_map(|&other| {
-        let found = cells(text, other);
+        let found = cells(text, other, true);
         let mixed = separator != b' ' && text.contains(char::from(separator));
         let full = found.len() == width && found.iter().all(|c| !c.is_empty());
-        (full && width > 1 && !mixed && are_words(&found)).then_some(found)
+        (full && width > 1 && !mixed && are_words(&found)).then(|| owned(&found))
     });
     if other.is_some() {
         return other;
     }
-    let found = cells(text, separator);
+    let found = cells(text, separator, true);
     let named = found.iter().filter(|c| !c.is_empty()).count();
     // Columns without a unit leave their cells of the row of units blank.
     let wide = if are_units(&found) {
@@ -423,7 +356,7 @@ fn names(text: &str, separator: u8, width: usize) -> Option<Vec<String>> {
     } else {
         named
     };
-    (wide.abs_diff(width) <= 1 && named >= 2 && are_words(&found)).then_some(found)
+    (wide.abs_diff(width) <= 1 && named >= 2 && are_words(&found)).then(|| owned(&found))
 }
 
 /// The separator of a header without samples to tell it from.
@@ -438,8 +371,7 @@ mod tests {
     use super::*;
 
     fn read(text: &[u8]) -> Layout {
-        let mut input = super::text(text);
-        let head = head(&mut input).expect("text");
+        let head = lines(text).head().expect("text");
         of(&head).unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(text)))
     }
 
@@ -519,23 +451,29 @@ mod tests {
     }
 
     #[test]
-    fn blanks_are_squeezed_wherever_a_read_ends() {
-        let text = b"  t   x \n 1\t 2 \n3 4";
+    fn lines_end_as_they_like_wherever_a_read_ends() {
         for room in 1..20 {
-            let mut squeezed = Squeezed {
-                inner: &text[..],
-                blank: false,
-                line_start: true,
-                held: None,
+            let lines = Lines {
+                input: BufReader::with_capacity(room, &b"a\nbc\r\n\rd e\r\r\n\nf"[..]),
+                number: 0,
+                after_return: false,
             };
-            let (mut all, mut buffer) = (Vec::new(), vec![0; room]);
-            loop {
-                match squeezed.read(&mut buffer).expect("memory") {
-                    0 => break,
-                    n => all.extend_from_slice(&buffer[..n]),
-                }
-            }
-            assert_eq!(all, b"t x\n1 2\n3 4", "{room}");
+            let lines = lines.map(|l| l.map(|l| (l.number, l.text)));
+            let lines: Vec<_> = lines.collect::<Result<_, _>>().expect("memory");
+            let right = ["a", "bc", "", "d e", "", "", "f"].map(str::to_owned);
+            assert!(lines.into_iter().eq((1..).zip(right)), "{room}");
+        }
+    }
+
+    #[test]
+    fn cells_are_split_at_blanks_and_around_quotes() {
+        for (line, separator, whole, right) in [
+            ("  t   x \t y ", b' ', false, &["t", "x", "y"][..]),
+            (" 1 \"a  b\"", b' ', true, &["1", "a  b"]),
+            ("1,\"a, b\",\"c", b',', true, &["1", "a, b", "\"c"]),
+            ("1,\"a, b\", ", b',', false, &["1", "\"a", "b\"", ""]),
+        ] {
+            assert_eq!(cells(line, separator, whole), right, "{line}");
         }
     }
 }

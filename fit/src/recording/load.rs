@@ -24,12 +24,10 @@ impl Recording {
     pub(super) fn take_load_off(&mut self) {
         if let Some(share) = self.held_share() {
             self.take_off(share.signum());
-            self.warnings.push(Warning::new(
+            self.warnings.push(warning!(
                 LOAD_HELD,
-                format!(
-                    "the drive holds the load, {} times what its column says: it is taken off the effort, and all results are for the axis without it. Add the measured load to a model's effort",
-                    three(share)
-                ),
+                "the drive holds the load, {} times what its column says: it is taken off the effort, and all results are for the axis without it. Add the measured load to a model's effort",
+                three(share)
             ));
         }
     }
@@ -117,7 +115,8 @@ impl Recording {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LoadOptions, Recording, load_csv};
+    use super::super::Recording;
+    use super::super::tests::{apart, read};
     use super::LOAD_HELD;
 
     /// So many samples of an axis with friction, a spring and a load that is anybody's, of which the effort holds a share and friction follows another;
@@ -133,19 +132,17 @@ mod tests {
             without.push(own);
             text += &format!("{t:.3},{x:e},{:e},{load:e}\n", own + held * load);
         }
-        let read = load_csv(text.as_bytes(), "load.csv", &LoadOptions::default());
-        (read.unwrap_or_else(|e| panic!("{e}")), without)
+        (read(&text), without)
     }
 
     fn times_told(recording: &Recording) -> usize {
-        let mut codes = recording.warnings.iter().map(|w| w.code);
-        codes.by_ref().filter(|code| *code == LOAD_HELD).count()
+        let told = recording.warnings.iter().filter(|w| w.code == LOAD_HELD);
+        told.count()
     }
 
     fn is_off(effort: &[f64], without: &[f64]) {
-        let apart = effort.iter().zip(without).map(|(f, o)| (f - o).abs());
-        let most = apart.fold(0.0, f64::max);
-        assert!(effort.len() == without.len() && most < 1e-9, "{most}");
+        let most = apart(effort, without);
+        assert!(most < 1e-9, "{most}");
     }
 
     #[test]

@@ -32,7 +32,7 @@ pub(super) fn said(what: &str, places: &[u64], first: &str) -> Warning {
         1 => "a sample is lost".to_owned(),
         n => format!("{n} samples are lost"),
     };
-    Warning::new("lost-samples", format!("{lost}: {first}{others}"))
+    warning!("lost-samples", "{lost}: {first}{others}")
 }
 
 /// Gives the values at the places what stands before them, or after them where nothing does.
@@ -47,12 +47,6 @@ pub(super) fn hold(values: &mut [f64], places: &[usize]) {
         };
         values[i] = values[source];
     }
-}
-
-/// Leaves out the values at the places, ascending.
-pub(super) fn leave_out<T>(values: &mut Vec<T>, places: &[usize]) {
-    let mut at = 0..;
-    values.retain(|_| at.next().is_none_or(|i| places.binary_search(&i).is_err()));
 }
 
 #[cfg(test)]

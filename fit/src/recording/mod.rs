@@ -4,12 +4,18 @@
 //! reason and remedy; what can be used with care is a [`Warning`] with a fixed code. Nothing is
 //! dropped or repaired without one of the two.
 
+/// A [`Warning`] of that code, its message written as by `format!`.
+macro_rules! warning {
+    ($code:expr, $($message:tt)+) => {
+        $crate::recording::Warning::new($code, format!($($message)+))
+    };
+}
+
 mod balance;
 mod checks;
 mod clock;
 mod columns;
 mod copies;
-mod csv;
 mod decimate;
 mod drive_off;
 mod dropouts;
@@ -36,6 +42,7 @@ mod propose;
 mod rate;
 mod read;
 mod repair;
+mod rows;
 mod samples;
 mod segments;
 mod simulated;
@@ -312,6 +319,18 @@ pub struct LoadOptions {
     pub max_samples: usize,
 }
 
+impl LoadOptions {
+    /// The sign that was asked for.
+    fn sign(&self) -> Result<Option<f64>, Problem> {
+        match self.sign.filter(|s| s.abs() != 1.0) {
+            Some(sign) => Err(Problem::Other(format!(
+                "--sign {sign} is neither 1 nor -1; give `--sign -1` where the effort opposes the model's convention (positive against motion in +x)"
+            ))),
+            None => Ok(self.sign),
+        }
+    }
+}
+
 impl Default for LoadOptions {
     fn default() -> Self {
         LoadOptions {
@@ -348,12 +367,7 @@ pub fn parse_map(argument: &str) -> Result<(String, String), String> {
 /// [`RecordingError`] names the file as given, the place, the reason and the remedy.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Recording, RecordingError> {
     let name = path.display().to_string();
-    read::file(path, options)
-        .and_then(|table| assemble(table, &name, options))
-        .map_err(|problem| RecordingError {
-            file: name,
-            problem,
-        })
+    recording(read::file(path, options), &name, options)
 }
 
 /// Reads CSV from any stream; `name` stands in messages.
@@ -365,36 +379,25 @@ pub fn load_csv(
     name: &str,
     options: &LoadOptions,
 ) -> Result<Recording, RecordingError> {
-    read::text(input, options)
-        .and_then(|table| assemble(table, name, options))
-        .map_err(|problem| RecordingError {
-            file: name.into(),
-            problem,
-        })
+    recording(read::text(input, options), name, options)
 }
 
-/// Reads a MATLAB v5 file from any stream; `name` stands in messages.
-///
-/// # Errors
-/// As [`load`].
-pub fn load_mat(
-    input: impl Read,
+/// The recording of a table, which may not have been read.
+fn recording(
+    table: Result<Table, Problem>,
     name: &str,
     options: &LoadOptions,
 ) -> Result<Recording, RecordingError> {
-    read::mat(input, options)
-        .and_then(|table| assemble(table, name, options))
-        .map_err(|problem| RecordingError {
-            file: name.into(),
-            problem,
-        })
+    let recording = table.and_then(|table| assemble(table, name, options));
+    recording.map_err(|problem| RecordingError {
+        file: name.into(),
+        problem,
+    })
 }
 
 /// Turns a table into a recording: time, repairs, even samples, parts of the motion, sign, warnings.
 fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recording, Problem> {
-    if let Some(sign) = options.sign.filter(|s| s.abs() != 1.0) {
-        return Err(Problem::Sign(sign));
-    }
+    let asked_sign = options.sign()?;
     let mut warnings = std::mem::take(&mut table.plan.warnings);
     let (mut frame, mut constant_extra) = frame_of(&mut table, &options.taken, &mut warnings)?;
     let (kind, role) = (table.plan.kind, table.plan.role);
@@ -405,7 +408,7 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
     even::resample(&mut frame, &mut warnings);
     let samples = frame.t_s.len();
     if samples < 2 {
-        return Err(Problem::TooShort { samples, needed: 2 });
+        return Err(Problem::too_short(samples));
     }
 
     let velocity = frame.take(Slot::Velocity);
@@ -428,7 +431,7 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
         .map(|run| segments::strokes(&position, run.clone()))
         .collect();
     if options.needs == Needs::Effort {
-        let sign = options.sign.unwrap_or(1.0);
+        let sign = asked_sign.unwrap_or(1.0);
         effort.iter_mut().for_each(|f| *f *= sign);
     } else {
         checks::motion(&runs, samples, kind.unit(), &mut warnings);
@@ -440,7 +443,7 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
             &mut effort,
             &runs,
             role,
-            options.sign,
+            asked_sign,
             &mut warnings,
         );
     }
@@ -514,14 +517,9 @@ fn frame_of(
         match data {
             Data::Numbers(values) => frame.numbers.push((slot, values)),
             Data::Labels(labels) => {
-                let numbers =
-                    labels
-                        .finish(source, warnings)
-                        .map_err(|(at, what)| Problem::Cell {
-                            at: table.place.of(at),
-                            column: source.known.name.into(),
-                            what,
-                        })?;
+                let numbers = labels.finish(source, warnings).map_err(|(at, what)| {
+                    Problem::cell(table.place.of(at), source.known.name, what)
+                })?;
                 frame.parts.push((slot, numbers));
             }
         }
@@ -534,7 +532,7 @@ fn frame_of(
     let further = std::mem::take(&mut table.extra);
     let (extra, constant) = extra::sort(further, (samples, taken), warnings);
     if samples < 2 {
-        return Err(Problem::TooShort { samples, needed: 2 });
+        return Err(Problem::too_short(samples));
     }
     timing::unwrap(&mut t_s, table, warnings);
     even::regularise(&mut t_s, warnings);

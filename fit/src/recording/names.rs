@@ -126,10 +126,7 @@ impl Names<'_> {
         text: &str,
         warnings: &mut Vec<Warning>,
     ) -> Result<Source, Problem> {
-        let fail = |reason: String| Problem::Map {
-            map: map.into(),
-            reason,
-        };
+        let fail = |reason: String| Problem::map(map, reason);
         let products = expression::products(text, |name| self.find(name)).map_err(|part| {
             if places::WORDS.contains(&part) {
                 return fail(format!("put your own in place of `{part}`"));
@@ -203,27 +200,23 @@ impl Names<'_> {
             Some(unit) if unit.dimension == wanted => {
                 let plain = unit.factor == 1.0 && unit.offset == 0.0;
                 let said = (!plain).then(|| {
-                    Warning::new(
+                    warning!(
                         "unit-applied",
-                        format!(
-                            "`{name}` is in {given}: {target}={}*{name}{} (--map '{target}=1*{name}' takes its numbers as they are)",
-                            unit.factor,
-                            match unit.offset {
+                        "`{name}` is in {given}: {target}={}*{name}{} (--map '{target}=1*{name}' takes its numbers as they are)",
+                        unit.factor,
+                        match unit.offset {
                                 0.0 => String::new(),
                                 offset => format!(" {offset:+}"),
                             }
-                        ),
                     )
                 });
                 (Some(unit), said)
             }
             _ => (
                 None,
-                Some(Warning::new(
+                Some(warning!(
                     "unit-of-another-kind",
-                    format!(
-                        "`{name}` is in {given}, which is not a unit of {target}: its numbers are taken as they are; if one of them is worth something else, give --map '{target}=FACTOR*{name}'"
-                    ),
+                    "`{name}` is in {given}, which is not a unit of {target}: its numbers are taken as they are; if one of them is worth something else, give --map '{target}=FACTOR*{name}'"
                 )),
             ),
         }
@@ -236,11 +229,9 @@ impl Names<'_> {
         let is_scaled = unit.dimension != wanted && unit.factor != 1.0 && unit.offset == 0.0;
         let (target, name, scale) = (known.name, &self.columns[column], unit.factor);
         let said = || {
-            Warning::new(
+            warning!(
                 "unit-applied",
-                format!(
-                    "`{name}` is converted to SI first ({scale} × its numbers), so its factor in `{target}` is per SI unit; divide a factor that is per unit of the file by {scale}"
-                ),
+                "`{name}` is converted to SI first ({scale} × its numbers), so its factor in `{target}` is per SI unit; divide a factor that is per unit of the file by {scale}"
             )
         };
         is_scaled.then(|| (scale, said()))
@@ -251,10 +242,7 @@ impl Names<'_> {
         let mut sources: Vec<Source> = Vec::new();
         for (target, expression) in self.map {
             let text = format!("{target}={expression}");
-            let fail = |reason: String| Problem::Map {
-                map: text.clone(),
-                reason,
-            };
+            let fail = |reason: String| Problem::map(&text, reason);
             let Some(known) = KNOWN.iter().find(|k| k.name == target.trim()) else {
                 return Err(fail(format!(
                     "`{target}` is not a column of a recording; choose one of {}",

@@ -6,12 +6,13 @@ pub(super) const SAMPLE_TIME: &str = "SAMPLE_TIME_IN_S";
 /// No number and no column is called so: none of them is taken for what it stands for.
 pub(super) const WORDS: [&str; 4] = [SAMPLE_TIME, "FACTOR", "AREA_M2", "COLUMN"];
 
-/// What is to be said of those in the options.
-pub(super) fn said(maps: &[String]) -> String {
+/// The options as they are offered, with what is to be said of those words in them.
+pub(super) fn offered(maps: &[String]) -> String {
     let has = |word: &&str| maps.iter().any(|map| map.contains(*word));
     let words: Vec<&str> = WORDS.into_iter().filter(has).collect();
+    let maps = maps.join(" ");
     match words.is_empty() {
-        true => String::new(),
-        false => format!(" (your own in place of {})", words.join(" and ")),
+        true => maps,
+        false => format!("{maps} (your own in place of {})", words.join(" and ")),
     }
 }

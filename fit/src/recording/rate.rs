@@ -105,7 +105,7 @@ impl Plan {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LoadOptions, load_csv};
+    use super::super::tests::read;
     use super::*;
 
     /// A sine of 3 Hz, sampled for 10 s.
@@ -120,7 +120,7 @@ mod tests {
             let (sin, cos) = (std::f64::consts::TAU * 3.0 * t).sin_cos();
             text += &format!("{t:.9},{:.9},{:.9}\n", 0.01 * sin, cos);
         }
-        load_csv(text.as_bytes(), "sine.csv", &LoadOptions::default()).expect("a recording")
+        read(&text)
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::table::Table;
 use super::{
-    LoadOptions, Problem, csv, formats, headless, json, labelled, layout, twincat, variables,
+    LoadOptions, Problem, formats, headless, json, labelled, layout, rows, twincat, variables,
 };
 
 /// The columns of a file that the options ask for.
@@ -28,7 +28,7 @@ pub(super) fn file(path: &Path, options: &LoadOptions) -> Result<Table, Problem>
         options.max_bytes
     };
     if bytes > limit {
-        return Err(Problem::TooLarge { bytes, limit });
+        return Err(Problem::too_large(bytes, limit));
     }
     if let Some(format) = format {
         file.rewind()?;
@@ -58,26 +58,28 @@ pub(super) fn text(mut input: impl Read, options: &LoadOptions) -> Result<Table,
     let input = start.as_slice().chain(input);
     if json::is_json(&start) {
         // Its values take several times the room of the text.
-        return match json::read(input, options.max_bytes / 8)? {
-            json::Content::Lines(layout, rows) => csv::read(layout, rows.as_bytes(), options),
+        return match json::read(&bytes(input, options.max_bytes / 8)?)? {
+            json::Content::Lines(layout, lines) => {
+                rows::read(layout, lines.into_iter().map(Ok), options)
+            }
             json::Content::Columns(found) => variables::table(&found, options),
         };
     }
-    let mut rest = layout::text(input);
-    let head = layout::head(&mut rest)?;
+    let mut rest = layout::lines(input);
+    let head = rest.head()?;
     if twincat::is_export(&head) {
-        return twincat::read(&head, rest, options);
+        return twincat::read(head, rest, options);
     }
     let mut layout = match labelled::layout(&head) {
         Some(layout) => layout,
         None => layout::of(&head)?,
     };
-    let samples = head.get(layout.skip..).unwrap_or_default();
     let unnamed = match layout.headless {
-        true => headless::name(&mut layout, samples),
+        true => headless::name(&mut layout, &head),
         false => None,
     };
-    csv::read(layout, samples.chain(rest), options).map_err(|problem| match (problem, unnamed) {
+    let lines = head.into_iter().map(Ok).chain(rest);
+    rows::read(layout, lines, options).map_err(|problem| match (problem, unnamed) {
         (Problem::Columns { .. }, Some(unnamed)) => unnamed,
         (problem, _) => problem,
     })
@@ -85,15 +87,18 @@ pub(super) fn text(mut input: impl Read, options: &LoadOptions) -> Result<Table,
 
 /// The table of a MATLAB file.
 pub(super) fn mat(input: impl Read, options: &LoadOptions) -> Result<Table, Problem> {
-    let limit = options.max_bytes / 2;
+    let found = super::mat::variables(&bytes(input, options.max_bytes / 2)?, options)?;
+    variables::table(&found, options)
+}
+
+/// All of a file, where it holds at most `limit` bytes.
+fn bytes(input: impl Read, limit: u64) -> Result<Vec<u8>, Problem> {
     let mut bytes = Vec::new();
     let read = input
         .take(limit.saturating_add(1))
-        .read_to_end(&mut bytes)?;
-    if read as u64 > limit {
-        let bytes = read as u64;
-        return Err(Problem::TooLarge { bytes, limit });
+        .read_to_end(&mut bytes)? as u64;
+    match read > limit {
+        true => Err(Problem::too_large(read, limit)),
+        false => Ok(bytes),
     }
-    let found = super::mat::variables(&bytes, options)?;
-    variables::table(&found, options)
 }

@@ -79,14 +79,12 @@ fn dropouts_said(
     } else {
         "too much to leave out, so it is kept; do not trust the result"
     };
-    warnings.push(Warning::new(
+    warnings.push(warning!(
         "dropout",
-        format!(
-            "position or effort stands still for {count} samples in {} places where the other one moves on, first from {} to {}: {what}",
-            dropped.len(),
-            table.place.of(first.start),
-            table.place.of(first.end - 1)
-        ),
+        "position or effort stands still for {count} samples in {} places where the other one moves on, first from {} to {}: {what}",
+        dropped.len(),
+        table.place.of(first.start),
+        table.place.of(first.end - 1)
     ));
     left_out
 }
@@ -105,15 +103,13 @@ fn drive_off_said(
         "kept, as an effort of zero"
     };
     let count: usize = off.ranges.iter().map(|r| r.len()).sum();
-    warnings.push(Warning::new(
+    warnings.push(warning!(
         "drive-off",
-        format!(
-            "by `{}` the drive is off for {count} samples in {} places, first from {} to {}: {what}",
-            off.column,
-            off.ranges.len(),
-            table.place.of(off.ranges[0].start),
-            table.place.of(off.ranges[0].end - 1)
-        ),
+        "by `{}` the drive is off for {count} samples in {} places, first from {} to {}: {what}",
+        off.column,
+        off.ranges.len(),
+        table.place.of(off.ranges[0].start),
+        table.place.of(off.ranges[0].end - 1)
     ));
     left_out
 }
@@ -171,13 +167,11 @@ fn spikes(
     for &i in &found {
         values[i] = median_of_five(values, i);
     }
-    warnings.push(Warning::new(
+    warnings.push(warning!(
         "spike",
-        format!(
-            "{} samples of the {name} stand alone far out, first at {} ({was:.4e}, where all others are between {low:.4e} and {high:.4e}): replaced by their neighbours' median",
-            found.len(),
-            table.place.of(first)
-        ),
+        "{} samples of the {name} stand alone far out, first at {} ({was:.4e}, where all others are between {low:.4e} and {high:.4e}): replaced by their neighbours' median",
+        found.len(),
+        table.place.of(first)
     ));
 }
 
@@ -236,14 +230,12 @@ fn unwrap(
     let known = known.filter(|w| (w / median - 1.0).abs() < SAME_WRAP);
     let wrap = known.or((jumps.len() > 1).then_some(median));
     let Some(wrap) = wrap.filter(|w| same && *w > 0.8 * (high - low)) else {
-        warnings.push(Warning::new(
+        warnings.push(warning!(
             "position-jump",
-            format!(
-                "jumps of the position: {}, first by {:.4e} at {}; nothing is filtered across, and what follows may be displaced",
-                jumps.len(),
-                x[first] - x[first - 1],
-                table.place.of(first)
-            ),
+            "jumps of the position: {}, first by {:.4e} at {}; nothing is filtered across, and what follows may be displaced",
+            jumps.len(),
+            x[first] - x[first - 1],
+            table.place.of(first)
         ));
         return jumps;
     };
@@ -259,13 +251,11 @@ fn unwrap(
         last = *x;
         *x += turns * wrap;
     }
-    warnings.push(Warning::new(
+    warnings.push(warning!(
         "wrapped",
-        format!(
-            "the position wraps around at {wrap:.6e} ({} in all, first at {}): unwrapped",
-            jumps.len(),
-            table.place.of(first)
-        ),
+        "the position wraps around at {wrap:.6e} ({} in all, first at {}): unwrapped",
+        jumps.len(),
+        table.place.of(first)
     ));
     Vec::new()
 }

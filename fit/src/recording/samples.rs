@@ -1,6 +1,7 @@
 //! Some of the samples of a recording, or others in their place: all columns alike.
 
-use super::{Extra, Problem, Recording, RecordingError, Warning};
+use super::{Extra, Problem, Recording, RecordingError};
+use crate::statistics::bounds;
 use std::ops::Range;
 
 impl Recording {
@@ -8,20 +9,16 @@ impl Recording {
     /// repeats keep their numbers, warnings are those of the whole file.
     ///
     /// # Errors
-    /// [`Problem::Window`] where fewer than two samples lie in the window.
+    /// Where fewer than two samples lie in the window.
     pub fn slice_time(&self, from: f64, to: f64) -> Result<Recording, RecordingError> {
         let inside: Vec<bool> = self.t_s.iter().map(|&t| from <= t && t < to).collect();
-        if inside.iter().filter(|&&i| i).count() < 2 {
-            let bound =
-                |pick: fn(f64, f64) -> f64| self.t_s.iter().copied().reduce(pick).unwrap_or(0.0);
+        if count(&inside) < 2 {
+            let (start, end) = bounds(&self.t_s);
             return Err(RecordingError {
                 file: self.name.clone(),
-                problem: Problem::Window {
-                    from,
-                    to,
-                    start: bound(f64::min),
-                    end: bound(f64::max),
-                },
+                problem: Problem::Other(format!(
+                    "no samples between {from} s and {to} s; the recording covers {start} s to {end} s"
+                )),
             });
         }
         Ok(self.masked(&inside))
@@ -37,27 +34,17 @@ impl Recording {
             .map(|i| i / period < count && i % period < length)
             .collect();
         let mut kept = self.masked(&inside);
-        kept.warnings.push(Warning::new(
+        kept.warnings.push(warning!(
             "stretches",
-            format!(
-                "{count} stretches of {:.3} s each are used, spread evenly over {} samples",
-                length as f64 * self.sample_time_s,
-                self.len()
-            ),
+            "{count} stretches of {:.3} s each are used, spread evenly over {} samples",
+            length as f64 * self.sample_time_s,
+            self.len()
         ));
         kept
     }
 
     /// The samples that are `inside`, in pieces of neighbours.
     pub(super) fn masked(&self, inside: &[bool]) -> Recording {
-        fn keep<T: Copy>(values: &[T], inside: &[bool]) -> Vec<T> {
-            values
-                .iter()
-                .zip(inside)
-                .filter(|(_, i)| **i)
-                .map(|(v, _)| *v)
-                .collect()
-        }
         let mut start = 0;
         let mut pieces = Vec::new();
         for piece in &self.pieces {
@@ -68,11 +55,9 @@ impl Recording {
                 }
             }
         }
-        let joined = ranges(&self.joined, |run| {
-            inside[run.clone()].iter().filter(|i| **i).count()
-        });
-        let t_s = keep(&self.t_s, inside);
-        let (numbers, labels) = (|c: &[f64]| keep(c, inside), |c: &[u32]| keep(c, inside));
+        let joined = ranges(&self.joined, |run| count(&inside[run.clone()]));
+        let t_s = kept(&self.t_s, inside);
+        let (numbers, labels) = (|c: &[f64]| kept(c, inside), |c: &[u32]| kept(c, inside));
         self.with_samples(t_s, pieces, joined, numbers, labels)
     }
 
@@ -113,6 +98,17 @@ impl Recording {
             ..*self
         }
     }
+}
+
+/// The values that are `inside`.
+pub(super) fn kept<T: Copy>(values: &[T], inside: &[bool]) -> Vec<T> {
+    let values = values.iter().zip(inside).filter(|(_, i)| **i);
+    values.map(|(v, _)| *v).collect()
+}
+
+/// How many are `inside`.
+pub(super) fn count(inside: &[bool]) -> usize {
+    inside.iter().filter(|i| **i).count()
 }
 
 /// Neighbouring ranges, as long as `length` says of each of `old`.

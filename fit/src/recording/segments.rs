@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::Warning;
+use crate::statistics::bounds;
 
 /// A reversal counts once the motion has come back by this share of the run's travel: more than
 /// an encoder's glitches (1 % of travel in real recordings), less than a deliberate inner loop
@@ -47,19 +48,11 @@ impl Strokes {
 /// Finds the reversals of `x` within `run`, with hysteresis.
 pub(super) fn strokes(x: &[f64], run: Range<usize>) -> Strokes {
     let samples = x.get(run.clone()).unwrap_or_default();
-    let (low, high) = samples
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
-            (l.min(v), h.max(v))
-        });
+    let (low, high) = bounds(samples);
     let travel = if high > low { high - low } else { 0.0 };
-    let quantum = samples
-        .iter()
-        .zip(samples.iter().skip(1))
-        .map(|(a, b)| (b - a).abs())
-        .filter(|step| *step > 0.0)
-        .fold(f64::INFINITY, f64::min);
-    let quantum = if quantum.is_finite() { quantum } else { 0.0 };
+    let steps = samples.windows(2).map(|p| (p[1] - p[0]).abs());
+    let quantum = steps.filter(|step| *step > 0.0).reduce(f64::min);
+    let quantum = quantum.unwrap_or(0.0);
     let threshold = (HYSTERESIS * travel).max((HYSTERESIS_QUANTA * quantum).min(0.5 * travel));
     let mut reversals = Vec::new();
     // Before the direction is known both extremes are candidates for the start.
@@ -129,9 +122,9 @@ pub(super) fn repeats(
     warnings: &mut Vec<Warning>,
 ) -> (Vec<u32>, bool) {
     let none = |warnings: &mut Vec<Warning>, why: String| {
-        warnings.push(Warning::new(
+        warnings.push(warning!(
             "no-repeats",
-            format!("{why}; all samples are one repeat, so cross-validation needs --train and --test or a column `repeat`"),
+            "{why}; all samples are one repeat, so cross-validation needs --train and --test or a column `repeat`"
         ));
         (vec![0; samples], false)
     };
@@ -166,24 +159,12 @@ pub(super) fn repeats(
 /// The smallest number of strokes after which end points and durations come again. The start of
 /// the first stroke and the end of the last are not compared: a run begins and ends at rest.
 fn period(x: &[f64], t: &[f64], motion: &Strokes) -> Option<usize> {
-    let at = |values: &[f64]| -> Vec<f64> {
-        motion
-            .reversals
-            .iter()
-            .filter_map(|&i| values.get(i).copied())
-            .collect()
-    };
+    let at = |values: &[f64]| -> Vec<f64> { motion.reversals.iter().map(|&i| values[i]).collect() };
     let (ends, times) = (at(x), at(t));
-    let durations: Vec<f64> = times
-        .iter()
-        .zip(times.iter().skip(1))
-        .map(|(a, b)| b - a)
-        .collect();
+    let durations: Vec<f64> = times.windows(2).map(|p| p[1] - p[0]).collect();
     let repeats = |values: &[f64], period: usize, same: &dyn Fn(f64, f64) -> bool| {
-        values
-            .iter()
-            .zip(values.iter().skip(period))
-            .all(|(&a, &b)| same(a, b))
+        let mut pairs = values.iter().zip(values.iter().skip(period));
+        pairs.all(|(&a, &b)| same(a, b))
     };
     // Maxima follow minima: only even periods can be.
     (2..=MAX_PERIOD.min(motion.count() / 2))

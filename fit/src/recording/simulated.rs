@@ -2,7 +2,7 @@
 
 use super::units::Dimension;
 use super::words::{quantity, split};
-use super::{EffortRole, MotionKind, Recording, Warning};
+use super::{EffortRole, MotionKind, Recording};
 
 /// What a simulation did, at the samples.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,9 +82,9 @@ impl Recording {
         }
         if correlation(&values, &self.position) < OPPOSED {
             values.iter_mut().for_each(|v| *v = -*v);
-            self.warnings.push(Warning::new(
+            self.warnings.push(warning!(
                 "simulated-sign",
-                format!("{name} has the sign opposite to the measured position: taken times -1"),
+                "{name} has the sign opposite to the measured position: taken times -1"
             ));
         }
         Ok(Taken::Position(values))
@@ -157,15 +157,15 @@ pub(super) fn correlation(a: &[f64], b: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LoadOptions, Recording, load_csv};
+    use super::super::Recording;
+    use super::super::tests::read;
     use super::Simulated;
 
     const FILE: &str = "t_s,x_m,force_N,sim_mN,x_sim_mm,sim_Nm,plain\n\
         0,0,1,-1000,0,1,1\n1,1,2,-2000,-1000,2,2\n2,0,4,-4100,0,3,4\n";
 
     fn load() -> Recording {
-        load_csv(FILE.as_bytes(), "sim.csv", &LoadOptions::default())
-            .unwrap_or_else(|e| panic!("{e}"))
+        read(FILE)
     }
 
     fn taken(recording: &mut Recording, names: &[&str]) -> Result<Simulated, String> {

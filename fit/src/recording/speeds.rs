@@ -40,16 +40,10 @@ pub fn load_speeds(path: &Path, options: &LoadOptions) -> Result<Option<Speeds>,
     };
     let mut table = match read::file(path, &options) {
         Ok(table) => table,
-        Err(
-            problem @ (Problem::Cell { .. } | Problem::Ragged { .. } | Problem::Separator { .. }),
-        ) => {
-            return Err(fail(problem));
-        }
+        Err(problem @ Problem::Row { .. }) => return Err(fail(problem)),
         Err(_) => return Ok(None),
     };
-    if let Some(sign) = options.sign.filter(|s| s.abs() != 1.0) {
-        return Err(fail(Problem::Sign(sign)));
-    }
+    let sign = options.sign().map_err(fail)?.unwrap_or(1.0);
     let slots: Vec<Slot> = table.plan.sources.iter().map(|s| s.known.slot).collect();
     let mut warnings = std::mem::take(&mut table.plan.warnings);
     let mut column = |slot: Slot| {
@@ -60,9 +54,7 @@ pub fn load_speeds(path: &Path, options: &LoadOptions) -> Result<Option<Speeds>,
         }
     };
     let (velocity, mut effort) = (column(Slot::Velocity), column(Slot::Effort));
-    effort
-        .iter_mut()
-        .for_each(|f| *f *= options.sign.unwrap_or(1.0));
+    effort.iter_mut().for_each(|f| *f *= sign);
     if !table.extra.is_empty() {
         let names: Vec<&str> = table.extra.iter().map(|e| e.name.as_str()).collect();
         let said = format!("not used: {}", names.join(", "));

@@ -7,6 +7,7 @@ use super::words;
 use super::{MotionKind, Recording, Warning};
 use crate::report::display_unit;
 use crate::report::figures::quantity;
+use crate::statistics::{bounds, quantile};
 
 /// Largest values that a positioning axis, a joint or a spindle has: beyond them the unit is more likely wrong than the machine is such.
 struct Most {
@@ -51,11 +52,7 @@ fn short(value: f64, unit: &str) -> String {
 }
 
 fn range(values: &[f64]) -> Option<(f64, f64)> {
-    let finite = values.iter().copied().filter(|v| v.is_finite());
-    finite.fold(None, |range, v| match range {
-        None => Some((v, v)),
-        Some((low, high)) => Some((v.min(low), v.max(high))),
-    })
+    Some(bounds(values)).filter(|(low, high)| low <= high)
 }
 
 /// The column that a role is read from, and the mapping of so many times what it is.
@@ -135,16 +132,12 @@ impl Recording {
                 .filter_map(|p| Some((self.position.get(p.clone())?, &self.t_s[p.clone()])))
                 .flat_map(|(x, t)| {
                     let over = OVER.min(x.len().saturating_sub(1)).max(1);
-                    let pairs = x.iter().zip(x.iter().skip(over));
-                    let times = t.iter().zip(t.iter().skip(over));
-                    pairs
-                        .zip(times)
-                        .map(|((a, b), (s, e))| ((b - a) / (e - s)).abs())
-                        .collect::<Vec<_>>()
+                    (over..x.len())
+                        .map(move |i| ((x[i] - x[i - over]) / (t[i] - t[i - over])).abs())
                 })
                 .collect(),
         };
-        crate::statistics::quantile(&mut speeds, 0.9999).unwrap_or(0.0)
+        quantile(&mut speeds, 0.9999).unwrap_or(0.0)
     }
 
     /// Length, rate, travel, top speed and effort in one line: what a user knows of the machine, and sees at once where a unit is wrong.
@@ -186,7 +179,7 @@ impl Recording {
             s.is_bare_time() && name.is_some_and(|n| words::quantity(n).unit == Some(SECOND))
         });
         let steps = self.position.windows(2).map(|p| (p[1] - p[0]).abs());
-        let usual = crate::statistics::quantile(&mut steps.collect::<Vec<_>>(), 0.5);
+        let usual = quantile(&mut steps.collect::<Vec<_>>(), 0.5);
         is_named && usual.is_some_and(|step| MOST_PLACES * step > travel)
     }
 
@@ -247,9 +240,10 @@ impl Recording {
         }
         (!asked.is_empty()).then(|| Warning {
             maps,
-            ..Warning::new(
+            ..warning!(
                 "implausible",
-                format!("hardly any machine has {}", asked.join("; nor ")),
+                "hardly any machine has {}",
+                asked.join("; nor ")
             )
         })
     }

@@ -90,13 +90,11 @@ pub(super) fn unwrap(t: &mut [f64], table: &Table, warnings: &mut Vec<Warning>) 
     let Some(range) = counters.chain(day).find(fits) else {
         return;
     };
-    warnings.push(Warning::new(
+    warnings.push(warning!(
         "time-wrapped",
-        format!(
-            "the clock wraps around at {range} s ({} in all, first at {}): unwrapped",
-            falls.len(),
-            table.place.of(falls[0])
-        ),
+        "the clock wraps around at {range} s ({} in all, first at {}): unwrapped",
+        falls.len(),
+        table.place.of(falls[0])
     ));
     let mut wraps = falls.iter().peekable();
     let mut ahead = 0.0;
@@ -128,12 +126,10 @@ pub(super) fn check(
     }
     let runs: Vec<Range<usize>> = ranges(&starts, t.len());
     if runs.len() > 1 {
-        warnings.push(Warning::new(
+        warnings.push(warning!(
             "time-restarts",
-            format!(
-                "restarts of the clock: {}; each run is kept apart",
-                runs.len() - 1
-            ),
+            "restarts of the clock: {}; each run is kept apart",
+            runs.len() - 1
         ));
     }
     let mut gaps: Vec<(usize, f64)> = Vec::new();
@@ -201,13 +197,10 @@ fn not_advancing(i: usize, from: f64, to: f64, table: &Table) -> Problem {
     } else {
         "stands still"
     };
-    Problem::Time {
-        at: table.place.of(i),
-        how,
-        from,
-        to,
-        remedy,
-    }
+    let at = table.place.of(i);
+    Problem::Other(format!(
+        "{at}: time {how} (from {from} s to {to} s); {remedy}"
+    ))
 }
 
 fn gap_warning(gaps: &[(usize, f64)], table: &Table, warnings: &mut Vec<Warning>) {
@@ -226,12 +219,10 @@ fn gap_warning(gaps: &[(usize, f64)], table: &Table, warnings: &mut Vec<Warning>
             gaps.len() - NAMED
         ));
     }
-    warnings.push(Warning::new(
+    warnings.push(warning!(
         "gap",
-        format!(
-            "samples are missing: {}; nothing is filtered or integrated across",
-            named.join(", ")
-        ),
+        "samples are missing: {}; nothing is filtered or integrated across",
+        named.join(", ")
     ));
 }
 
@@ -253,13 +244,11 @@ fn spread_warning(
         } else {
             String::new()
         };
-        warnings.push(Warning::new(
+        warnings.push(warning!(
             "time-jitter",
-            format!(
-                "98 % of the time steps lie {} (median {}){of}",
-                between(low, high, "s"),
-                quantity(median, "s")
-            ),
+            "98 % of the time steps lie {} (median {}){of}",
+            between(low, high, "s"),
+            quantity(median, "s")
         ));
     }
 }

@@ -93,12 +93,10 @@ impl Recording {
         }));
         let clock = Clock::of(&own.t_s, &self.t_s).map_err(|what| wrong(&what))?;
         if clock.later != 0.0 {
-            self.warnings.push(Warning::new(
+            self.warnings.push(warning!(
                 "simulated-clock",
-                format!(
-                    "{name} begins at another time: its clock is taken {:.6} s later",
-                    clock.later
-                ),
+                "{name} begins at another time: its clock is taken {:.6} s later",
+                clock.later
             ));
         }
         let at = |values: &[f64], late: f64| clock.at(&own.t_s, values, &self.t_s, late);
@@ -155,9 +153,9 @@ impl Recording {
         }
         if correlation(&effort, &self.effort) < super::simulated::OPPOSED {
             effort.iter_mut().for_each(|v| *v = -*v);
-            self.warnings.push(Warning::new(
+            self.warnings.push(warning!(
                 "simulated-sign",
-                format!("{name} has the sign opposite to the measured effort: taken times -1"),
+                "{name} has the sign opposite to the measured effort: taken times -1"
             ));
         }
         Ok(effort)
@@ -194,24 +192,10 @@ impl Clock {
 
     /// Values at the recorded times, straight between two samples and held beyond the ends; they are `late` by so much (s).
     fn at(&self, own: &[f64], values: &[f64], recorded: &[f64], late: f64) -> Vec<f64> {
-        let mut next = 0;
         if values.is_empty() {
             return Vec::new();
         }
-        let value = |t: &f64| {
-            let t = t - self.later + late;
-            while next < own.len() && own[next] <= t {
-                next += 1;
-            }
-            match next {
-                0 => values[0],
-                n if n == own.len() => values[n - 1],
-                n => {
-                    let part = (t - own[n - 1]) / (own[n] - own[n - 1]);
-                    values[n - 1] + part * (values[n] - values[n - 1])
-                }
-            }
-        };
+        let value = |t: &f64| statistics::between(own, values, t - self.later + late);
         recorded.iter().map(value).collect()
     }
 }

@@ -1,15 +1,12 @@
 //! CSV as TwinCAT Scope exports it: rows of what is known of the channels, and groups of channels, each with a column of times of its own,
 //! which need not be the others' and may end earlier.
 
-use std::io::Read;
-
-use super::LoadOptions;
-use super::Warning;
 use super::error::Problem;
 use super::layout::{self, Line};
 use super::table::Table;
-use super::units;
 use super::variables::{self, Variable};
+use super::{LoadOptions, Warning, rows, units};
+use crate::statistics;
 
 /// The row that marks such a file …
 const MARK: &str = "Starttime of export";
@@ -26,14 +23,11 @@ const FILETIME: f64 = 1e15;
 const FILETIME_MS: f64 = 1e-4;
 
 /// Whether the text begins like an export.
-pub(super) fn is_export(head: &[u8]) -> bool {
-    let mut start = head.split(|&b| b == b'\n').take(12);
+pub(super) fn is_export(head: &[Line]) -> bool {
     // Between blanks it stands in quotes.
-    let begins = |line: &[u8], mark: &str| {
-        let line = line.strip_prefix(b"\"").unwrap_or(line);
-        line.starts_with(mark.as_bytes())
-    };
-    let channels = begins(head, TIME);
+    let begins = |line: &Line, mark: &str| line.text.trim_start_matches('"').starts_with(mark);
+    let channels = head.first().is_some_and(|l| begins(l, TIME));
+    let mut start = head.iter().take(12);
     start.any(|line| begins(line, MARK) || channels && begins(line, SAMPLE_TIME))
 }
 
@@ -48,18 +42,20 @@ struct Group {
 }
 
 /// Reads an export that begins with `head` and goes on with `rest`.
-pub(super) fn read(head: &[u8], rest: impl Read, options: &LoadOptions) -> Result<Table, Problem> {
-    let lines = layout::lines(head);
-    let separator = lines
+pub(super) fn read(
+    head: Vec<Line>,
+    rest: impl Iterator<Item = Result<Line, Problem>>,
+    options: &LoadOptions,
+) -> Result<Table, Problem> {
+    let separator = head
         .first()
         .and_then(|l| l.text.strip_prefix(TIME)?.bytes().next());
-    let separator = separator.filter(|s| *s != b' ').ok_or_else(|| Problem::NotText {
-        line: 1,
-        what: "an export of TwinCAT Scope whose separator, a blank, is part of its names too; export it with tabs or semicolons".into(),
+    let separator = separator.filter(|s| *s != b' ').ok_or_else(|| {
+        Problem::not_text(1, "an export of TwinCAT Scope whose separator, a blank, is part of its names too; export it with tabs or semicolons")
     })?;
-    let (mut groups, first) = groups(&lines, separator)?;
-    let input = head.get(first.start..).unwrap_or_default().chain(rest);
-    samples(&mut groups, input, separator, first.number, options)?;
+    let (mut groups, first) = groups(&head, separator)?;
+    let samples = head.into_iter().skip(first).map(Ok).chain(rest);
+    read_samples(&mut groups, samples, separator, options)?;
     let (found, words) = merged(groups)?;
     let mut table = variables::table(&found, options)?;
     table
@@ -69,39 +65,32 @@ pub(super) fn read(head: &[u8], rest: impl Read, options: &LoadOptions) -> Resul
     Ok(table)
 }
 
-/// The groups that the header names, and the first line of samples.
-fn groups(lines: &[Line], separator: u8) -> Result<(Vec<Group>, &Line), Problem> {
+/// The groups that the header names, and the place of the first line of samples.
+fn groups(lines: &[Line], separator: u8) -> Result<(Vec<Group>, usize), Problem> {
+    let lines = lines.iter();
+    let rows: Vec<Vec<&str>> = lines
+        .map(|l| layout::cells(&l.text, separator, true))
+        .collect();
     // Of two rows that begin with `Name` the first is the chart's.
-    let row = |key: &str| {
-        let mut cells = lines.iter().map(|l| layout::cells(&l.text, separator));
-        cells.rfind(|c| c.first().is_some_and(|c| c == key))
+    let row = |key: &str| rows.iter().rfind(|row| row[0] == key);
+    let sample = |row: &Vec<&str>| layout::parse(row[0], true).is_some();
+    let (Some(names), Some(first)) = (row(TIME), rows.iter().position(sample)) else {
+        return Err(Problem::too_short(0));
     };
-    let sample = |l: &&Line| {
-        let first = layout::cells(&l.text, separator).swap_remove(0);
-        layout::parse(&first, true).is_some()
-    };
-    let too_short = Problem::TooShort {
-        samples: 0,
-        needed: 2,
-    };
-    let (Some(names), Some(first)) = (row(TIME), lines.iter().find(sample)) else {
-        return Err(too_short);
-    };
-    let units = row("Unit").unwrap_or_default();
+    let units = row("Unit");
     let mut groups: Vec<Group> = Vec::new();
     for (column, name) in names.iter().enumerate() {
         match groups.last_mut() {
-            _ if name == TIME => groups.push(Group {
+            _ if *name == TIME => groups.push(Group {
                 column,
                 ..Group::default()
             }),
             Some(group) if !name.is_empty() => {
                 // "V (Voltage)", or "(None)".
-                let unit = units.get(column).and_then(|u| u.split_whitespace().next());
+                let unit = units.and_then(|row| row.get(column)?.split_whitespace().next());
                 let unit = unit.filter(|u| units::is_unit(u));
-                group
-                    .names
-                    .push(unit.map_or(name.clone(), |u| format!("{name} [{u}]")));
+                let name = unit.map_or((*name).to_owned(), |u| format!("{name} [{u}]"));
+                group.names.push(name);
                 group.values.push(Vec::new());
             }
             _ => {}
@@ -110,52 +99,38 @@ fn groups(lines: &[Line], separator: u8) -> Result<(Vec<Group>, &Line), Problem>
     Ok((groups, first))
 }
 
-/// Reads the samples from line `first` on into the groups; a group whose cells are blank has none there.
-fn samples(
+/// Reads the samples into the groups; a group whose cells are blank has none there.
+fn read_samples(
     groups: &mut [Group],
-    mut input: impl Read,
+    lines: impl Iterator<Item = Result<Line, Problem>>,
     separator: u8,
-    first: u64,
     options: &LoadOptions,
 ) -> Result<(), Problem> {
-    let mut reader = ::csv::ReaderBuilder::new();
-    reader.has_headers(false).flexible(true).quoting(false);
-    let mut reader = reader.delimiter(separator).from_reader(&mut input);
-    let mut record = ::csv::ByteRecord::new();
     let commas = match separator {
         b',' => layout::Commas::Unsure,
         _ => layout::Commas::Decimals,
     };
     let columns = groups.last().map_or(0, |g| g.column + 1 + g.names.len());
-    loop {
-        let line = first - 1 + reader.position().line();
-        let more = reader.read_byte_record(&mut record);
-        if !more.map_err(|e| super::csv::csv_problem(e, line))? {
-            return Ok(());
+    for line in lines {
+        let Line { text, number: line } = line?;
+        let cells = layout::cells(&text, separator, false);
+        if cells[0] == "EOF" {
+            break;
         }
-        if record.get(0) == Some(b"EOF") {
-            return Ok(());
-        }
-        if record
-            .iter()
-            .skip(columns)
-            .any(|c| !c.trim_ascii().is_empty())
-        {
-            return Err(Problem::Ragged {
-                line,
-                cells: record.len(),
-                columns,
-                hint: "if the numbers have decimal commas, export with tabs or semicolons between them",
+        if cells.iter().skip(columns).any(|c| !c.is_empty()) {
+            return Err(Problem::Row {
+                found: format!(
+                    "line {line}: {} cells where the header has {columns}",
+                    cells.len()
+                ),
+                remedy: "if the numbers have decimal commas, export with tabs or semicolons between them",
             });
         }
-        let cell = |column: usize| record.get(column).unwrap_or_default().trim_ascii();
+        let cell = |column: usize| cells.get(column).copied().unwrap_or_default();
         for group in groups.iter_mut().filter(|g| !cell(g.column).is_empty()) {
             let number = |column: usize, name: &str| {
-                super::csv::number(cell(column), commas).map_err(|what| Problem::Cell {
-                    at: format!("line {line}"),
-                    column: name.to_owned(),
-                    what,
-                })
+                rows::number(cell(column), commas)
+                    .map_err(|what| Problem::cell(format!("line {line}"), name, what))
             };
             let t = number(group.column, "its column of times")?;
             // A slow channel may be written once more for every sample of a fast one.
@@ -163,10 +138,8 @@ fn samples(
                 continue;
             }
             if group.t_ms.len() >= options.max_samples {
-                return Err(Problem::TooManySamples {
-                    at: format!("line {line}"),
-                    limit: options.max_samples,
-                });
+                let at = format!("line {line}");
+                return Err(Problem::too_many_samples(at, options.max_samples));
             }
             for (j, values) in group.values.iter_mut().enumerate() {
                 values.push(number(group.column + 1 + j, &group.names[j])?);
@@ -174,6 +147,7 @@ fn samples(
             group.t_ms.push(t);
         }
     }
+    Ok(())
 }
 
 /// All channels at the times that most of them share, and what is to be said of it.
@@ -187,10 +161,7 @@ fn merged(groups: Vec<Group>) -> Result<(Vec<Variable>, String), Problem> {
         .max_by_key(|g| (channels(&g.t_ms), g.t_ms.len()));
     let times = most.map_or_else(Vec::new, |g| g.t_ms.clone());
     if times.len() < 2 {
-        return Err(Problem::TooShort {
-            samples: times.len(),
-            needed: 2,
-        });
+        return Err(Problem::too_short(times.len()));
     }
     let (mut between, mut left) = (Vec::new(), Vec::new());
     let mut found = vec![Variable::column("Time [ms]", milliseconds(&times))];
@@ -241,28 +212,16 @@ fn at(times: &[f64], own: &[f64], values: &[f64]) -> Result<Vec<f64>, &'static s
     if times[0] < first || times[times.len() - 1] > 2.0 * last - before {
         return Err("a channel whose times do not cover those of the others");
     }
-    let value = |&t: &f64| {
-        let i = own.partition_point(|&o| o <= t).clamp(1, own.len() - 1);
-        let u = ((t - own[i - 1]) / (own[i] - own[i - 1])).min(1.0);
-        values[i - 1] + u * (values[i] - values[i - 1])
-    };
+    let value = |t: &f64| statistics::between(own, values, *t);
     Ok(times.iter().map(value).collect())
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LoadOptions, Recording, RecordingError, load_csv, parse_map};
+    use super::super::tests::{said, text};
+    use preslide_host_tests::refusal::refuses;
 
-    fn load(text: &str, map: &[&str]) -> Result<Recording, RecordingError> {
-        let map = map.iter().map(|m| parse_map(m).expect("a map")).collect();
-        let options = LoadOptions {
-            map,
-            ..LoadOptions::default()
-        };
-        load_csv(text.as_bytes(), "scope.csv", &options)
-    }
-
-    const MAP: [&str; 2] = ["x_m=1e-6*fActPos", "force_N=fTorque[A]*2"];
+    const MAP: [(&str, &str); 2] = [("x_m", "1e-6*fActPos"), ("force_N", "fTorque[A]*2")];
 
     /// Position and current at 1 ms, a temperature at 4 ms that ends earlier; `time` writes a time of so many ms, `group` stands between channels of one rate.
     fn export(separator: &str, group: &str, time: impl Fn(usize) -> String) -> String {
@@ -284,13 +243,9 @@ mod tests {
         ];
         for (key, [a, b, c]) in rows {
             let between = if group.is_empty() { "" } else { key };
-            let cells = [key, a, between, b, key, c];
-            text += &join(
-                &cells
-                    .into_iter()
-                    .filter(|c| !c.is_empty())
-                    .collect::<Vec<_>>(),
-            );
+            let mut cells = vec![key, a, between, b, key, c];
+            cells.retain(|c| !c.is_empty());
+            text += &join(&cells);
         }
         text += "\n";
         for i in 0..1000 {
@@ -317,12 +272,12 @@ mod tests {
     fn channels_with_times_of_their_own_become_one_table() {
         let milliseconds = |i: usize| i.to_string();
         let calendar = |i: usize| (133_500_000_000_000_000 + 10_000 * i as u64).to_string();
-        for text in [
+        for export in [
             export("\t", "each", milliseconds),
             export(";", "", milliseconds),
             export("\t", "each", calendar).replace("\nEOF", ""),
         ] {
-            let found = load(&text, &MAP).unwrap_or_else(|e| panic!("{e}\n{}", &text[..600]));
+            let found = text(&export, &MAP).unwrap_or_else(|e| panic!("{e}\n{}", &export[..600]));
             assert_eq!(found.len(), 1000);
             let worst = |of: &dyn Fn(usize) -> f64| (0..1000).map(of).fold(0.0, f64::max);
             let phase = |i: usize| i as f64 * 0.02;
@@ -339,40 +294,33 @@ mod tests {
                 off.iter().zip(most).all(|(off, most)| *off <= most),
                 "{off:?}"
             );
-            let said = found.warnings.iter().find(|w| w.code == "twincat-scope");
-            let said = said.map_or("", |w| w.message.as_str());
-            assert!(
-                said.contains("3 channels") && said.contains("samples fTemp"),
-                "{said}"
-            );
+            let scope = said(&found, "twincat-scope");
+            for part in ["3 channels", "samples fTemp"] {
+                assert!(scope.contains(part), "{scope}");
+            }
         }
     }
 
     #[test]
     fn what_an_export_lacks_is_said() {
         let milliseconds = |i: usize| i.to_string();
-        let error = |text: &str, map: &[&str]| load(text, map).expect_err("refused").to_string();
-        let text = export("\t", "each", milliseconds);
-        let names = error(&text, &[]);
-        assert!(
-            names.contains("fActPos 1000") && names.contains("fTorque [A]"),
-            "{names}"
-        );
-        let cell = error(&text.replace("\t0,000\t", "\tx\t"), &MAP);
-        assert!(
-            cell.contains("line 11") && cell.contains("fActPos"),
-            "{cell}"
-        );
-        let commas = error(&export(",", "each", milliseconds), &MAP);
-        assert!(commas.contains("tabs or semicolons"), "{commas}");
-        let blank = export(" ", "each", milliseconds)
+        let whole = export("\t", "each", milliseconds);
+        let cell = whole.replace("\t0,000\t", "\tx\t");
+        let commas = export(",", "each", milliseconds);
+        let blanks = export(" ", "each", milliseconds)
             .replace("Starttime of export", "\"Starttime of export\"");
-        let blank = error(&blank, &MAP);
-        assert!(blank.contains("tabs or semicolons"), "{blank}");
-        let short = text.lines().take(8).collect::<Vec<_>>().join("\n");
-        assert!(error(&short, &MAP).contains("0 samples"));
+        let short: String = whole.split_inclusive('\n').take(8).collect();
+        for (export, map, parts) in [
+            (&whole, &[][..], &["fActPos 1000", "fTorque [A]"][..]),
+            (&cell, &MAP, &["line 11", "fActPos"]),
+            (&commas, &MAP, &["tabs or semicolons"]),
+            (&blanks, &MAP, &["tabs or semicolons"]),
+            (&short, &MAP, &["0 samples"]),
+        ] {
+            refuses(text(export, map), parts);
+        }
         // A temperature that ends early is no answer to a question about all of the time.
-        let partly = text.replace("\t400\t420\n", "\t \t \n");
+        let partly = whole.replace("\t400\t420\n", "\t \t \n");
         let cut: String = partly
             .lines()
             .map(|l| match l.split('\t').nth(4) {
@@ -382,11 +330,9 @@ mod tests {
                 _ => l.to_owned() + "\n",
             })
             .collect();
-        let found = load(&cut, &MAP).unwrap_or_else(|e| panic!("{e}"));
-        let said = &found.warnings[0].message;
-        assert!(
-            found.extra.is_empty() && said.contains("fTemp (a channel whose times"),
-            "{said}"
-        );
+        let found = text(&cut, &MAP).unwrap_or_else(|e| panic!("{e}"));
+        let scope = said(&found, "twincat-scope");
+        assert!(scope.contains("fTemp (a channel whose times"), "{scope}");
+        assert!(found.extra.is_empty());
     }
 }

@@ -1,15 +1,11 @@
 //! Files that hold variables by name (`.mat`, NPZ, Parquet and their like): which of them the recording is made of.
 
 use super::LoadOptions;
-use super::clock;
+use super::clock::Since1970;
 use super::columns;
 use super::error::Problem;
-use super::expression::Term;
-use super::extra::Reading;
-use super::labels::Labels;
 use super::names::{Names, Source, plausible};
-use super::table::{Data, Location, Table};
-use super::{Warning, lost};
+use super::table::{Builder, Table};
 
 /// A variable of the file.
 #[derive(Debug)]
@@ -64,7 +60,7 @@ pub(super) fn table(variables: &[Variable], options: &LoadOptions) -> Result<Tab
         .iter()
         .map(|v| v.unit.unwrap_or_default().to_owned())
         .collect();
-    let mut plan = columns::plan(&Names {
+    let plan = columns::plan(&Names {
         columns: &names,
         units: &units,
         listing: &format!("the variables {listing}"),
@@ -73,180 +69,74 @@ pub(super) fn table(variables: &[Variable], options: &LoadOptions) -> Result<Tab
         needs: options.needs,
         sample_time: None,
     })?;
-    let mut found = Vec::new();
-    let mut length: Option<(String, usize)> = None;
-    for source in &plan.sources {
-        let (name, mut values) = sum(variables, source, &listing)?;
-        let since_1970 = values.first().copied().and_then(clock::since_1970);
-        if let Some(unit) = since_1970.filter(|_| source.is_bare_time()) {
-            values.iter_mut().for_each(|t| *t *= unit);
-            plan.warnings.push(clock::said(unit));
-        }
-        match &length {
-            // A number alone is the same for all samples.
-            _ if source.terms.is_empty() => {}
-            None => length = Some((name.into(), values.len())),
-            Some((first, n)) => same_length(first, *n, name, values.len())?,
-        }
-        if values.len() > options.max_samples {
-            return Err(Problem::TooManySamples {
-                at: format!("variable `{name}`"),
-                limit: options.max_samples,
-            });
-        }
-        found.push((name, values));
+    let mut length: Option<(&str, usize)> = None;
+    // A number alone is the same for all samples.
+    for source in plan.sources.iter().filter(|s| !s.terms.is_empty()) {
+        let (name, n) = length_of(source, variables, &listing)?;
+        let (first, first_n) = *length.get_or_insert((name, n));
+        same_length(first, first_n, name, n)?;
     }
     let samples = length.map_or(0, |(_, n)| n);
-    for (source, (_, values)) in plan.sources.iter().zip(&mut found) {
-        if source.terms.is_empty() {
-            values.resize(samples, source.offset);
+    let mut builder = Builder::new(plan, "element", options.max_samples);
+    let Table { plan, extra, .. } = &mut builder.table;
+    for (reading, &i) in extra.iter_mut().zip(&plan.unused) {
+        match variables[i].vector() {
+            None => reading.refuse("no vector of real numbers".into()),
+            Some(values) if values.len() != samples => {
+                reading.refuse("not one number for every sample".into());
+            }
+            Some(_) => {}
         }
     }
-    let mut extra = further(variables, &plan.unused);
-    let breaks = leave_out_broken(&mut found, samples, &mut extra, &mut plan.warnings)?;
-    let columns = plan.sources.iter().zip(found);
-    let data = columns.map(|(source, (name, values))| {
-        Ok(match source.known.slot.is_label() {
-            true => Data::Labels(labels(name, &values)?),
-            false => Data::Numbers(values),
-        })
-    });
-    Ok(Table {
-        data: data.collect::<Result<_, Problem>>()?,
-        plan,
-        extra,
-        place: Location {
-            what: "element",
-            breaks,
-        },
-        first_change: Vec::new(),
-    })
-}
-
-/// Leaves out the samples that one of the variables has no number for, where they are few, and says which; what follows a place where some are
-/// left out, as [`Location`] has it.
-fn leave_out_broken(
-    found: &mut [(&str, Vec<f64>)],
-    samples: usize,
-    extra: &mut [Reading],
-    warnings: &mut Vec<Warning>,
-) -> Result<Vec<(usize, u64)>, Problem> {
-    let is_broken = |i: &usize| {
-        found
-            .iter()
-            .any(|(_, values)| plausible(values[*i]).is_err())
-    };
-    let broken: Vec<usize> = (0..samples).filter(is_broken).collect();
-    let Some(&first) = broken.first() else {
-        return Ok(vec![(0, 1)]);
-    };
-    let bad = found
-        .iter()
-        .find(|(_, values)| plausible(values[first]).is_err());
-    let (name, value) = bad.map_or(("", f64::NAN), |(name, values)| (*name, values[first]));
-    let problem = Problem::Cell {
-        at: format!("element {}", first + 1),
-        column: name.into(),
-        what: format!("`{value}` is not finite, or beyond what any sensor gives"),
-    };
-    if lost::too_many(broken.len(), samples - broken.len()) {
-        return Err(problem);
-    }
-    let places: Vec<u64> = broken.iter().map(|&i| i as u64 + 1).collect();
-    warnings.push(lost::said("element", &places, &problem.found()));
-    for (_, values) in found.iter_mut() {
-        lost::leave_out(values, &broken);
-    }
-    let same = extra.iter_mut().filter(|e| e.values.len() == samples);
-    same.for_each(|e| e.leave_out(&broken));
-    let after = broken.iter().enumerate();
-    let breaks = after.map(|(before, &i)| (i - before, i as u64 + 2));
-    Ok([(0, 1)].into_iter().chain(breaks).collect())
-}
-
-/// The sum of the products of a source, in SI; with the name of its first vector.
-fn sum<'a>(
-    variables: &'a [Variable],
-    source: &Source,
-    listing: &str,
-) -> Result<(&'a str, Vec<f64>), Problem> {
-    let (mut name, mut sum) = (source.known.name, vec![source.offset]);
-    for term in &source.terms {
-        let (vector, values) = product(variables, source, term, listing)?;
-        if sum.len() == 1 {
-            (name, sum) = (vector, values.iter().map(|v| v + sum[0]).collect());
-        } else {
-            same_length(name, sum.len(), vector, values.len())?;
-            sum.iter_mut().zip(values).for_each(|(s, v)| *s += v);
+    let vectors = variables.iter().map(|v| v.vector().unwrap_or_default());
+    let vectors: Vec<&[f64]> = vectors.collect();
+    let mut since_1970 = Since1970::default();
+    for i in 0..samples {
+        let at = i as u64 + 1;
+        let number = |c: usize| {
+            *vectors[c]
+                .get(i)
+                .or(vectors[c].first())
+                .unwrap_or(&f64::NAN)
+        };
+        let value = |source: &Source| source.value(|c| Ok(since_1970.of(source, number(c))));
+        let values: Result<Vec<f64>, _> = builder.table.plan.sources.iter().map(value).collect();
+        match values {
+            Ok(values) => {
+                let label = |c: usize| number(c).to_string();
+                builder.take(at, &values, label, |c| plausible(number(c)))?;
+            }
+            Err((c, what)) => {
+                let problem = Problem::cell(format!("element {at}"), &names[c], what);
+                builder.lose(at, problem, true)?;
+            }
         }
     }
-    Ok((name, sum))
+    builder.table.plan.warnings.extend(since_1970.said());
+    builder.finish()
 }
 
-/// The product of the variables of a term, scalars among them; with the name of its first vector.
-fn product<'a>(
-    variables: &'a [Variable],
+/// The number of samples that the vectors of a source have, scalars among them, and the name of the first.
+fn length_of<'a>(
     source: &Source,
-    term: &Term,
+    variables: &'a [Variable],
     listing: &str,
-) -> Result<(&'a str, Vec<f64>), Problem> {
-    let mut product: Option<(&str, Vec<f64>)> = None;
-    let mut factor = term.factor;
-    for variable in term.columns.iter().filter_map(|&i| variables.get(i)) {
-        let values = variable.vector().ok_or_else(|| Problem::Map {
-            map: format!("{}={}", source.known.name, variable.name),
-            reason: format!(
-                "`{}` is not a vector of real numbers; the file has {listing}",
-                variable.describe()
-            ),
+) -> Result<(&'a str, usize), Problem> {
+    let mut length = (source.known.name, 1);
+    for variable in source.columns().map(|i| &variables[i]) {
+        let values = variable.vector().ok_or_else(|| {
+            let whole = variable.describe();
+            let reason =
+                format!("`{whole}` is not a vector of real numbers; the file has {listing}");
+            Problem::map(format!("{}={}", source.known.name, variable.name), reason)
         })?;
-        match (&mut product, values) {
-            (_, [scalar]) => factor *= scalar,
-            (None, values) => product = Some((&variable.name, values.to_vec())),
-            (Some((first, product)), values) => {
-                same_length(first, product.len(), &variable.name, values.len())?;
-                product.iter_mut().zip(values).for_each(|(p, v)| *p *= v);
-            }
+        match values.len() {
+            1 => {}
+            n if length.1 == 1 => length = (&variable.name, n),
+            n => same_length(length.0, length.1, &variable.name, n)?,
         }
     }
-    let (name, mut values) = product.unwrap_or((source.known.name, vec![1.0]));
-    values.iter_mut().for_each(|v| *v = *v * factor + 0.0);
-    Ok((name, values))
-}
-
-/// The numbers of a variable that tells parts of the motion apart.
-fn labels(name: &str, values: &[f64]) -> Result<Labels, Problem> {
-    let mut labels = Labels::default();
-    if values.iter().all(|v| labels.push(&v.to_string())) {
-        return Ok(labels);
-    }
-    Err(Problem::Cell {
-        at: "its elements".into(),
-        column: name.into(),
-        what: "over a million different parts".into(),
-    })
-}
-
-/// The variables that have no role.
-fn further(variables: &[Variable], unused: &[usize]) -> Vec<Reading> {
-    let reading = |variable: &Variable| {
-        let mut reading = Reading::new(&variable.name);
-        match variable.vector() {
-            Some(values) => {
-                for (i, &value) in (1..).zip(values) {
-                    let place = |what| format!("element {i}: {what}");
-                    reading.push(plausible(value).map_err(place));
-                }
-            }
-            None => reading.refuse("no vector of real numbers".to_owned()),
-        }
-        reading
-    };
-    unused
-        .iter()
-        .filter_map(|&i| variables.get(i))
-        .map(reading)
-        .collect()
+    Ok(length)
 }
 
 fn same_length(
@@ -258,10 +148,7 @@ fn same_length(
     if first_len == second_len {
         return Ok(());
     }
-    Err(Problem::Lengths {
-        first: first.into(),
-        first_len,
-        second: second.into(),
-        second_len,
-    })
+    Err(Problem::Other(format!(
+        "`{first}` has {first_len} samples, `{second}` {second_len}; map variables of equal length"
+    )))
 }

@@ -104,7 +104,7 @@ pub(super) fn variables(format: Format, input: Input) -> Result<Vec<Variable>, P
         Format::Db3 => db3::variables(input),
         _ => return Err(refusal(input.start)),
     };
-    found.map_err(|reason| Problem::Container { reason })
+    found.map_err(|reason| Problem::Other(format!("is {reason}")))
 }
 
 fn refusal(start: &[u8]) -> Problem {
@@ -119,7 +119,7 @@ fn refusal(start: &[u8]) -> Problem {
         Some((_, _, what, None, otherwise)) => (*what, format!("convert it: {otherwise}")),
         None => ("a file of another kind", "export CSV".to_owned()),
     };
-    Problem::Format { what, remedy }
+    Problem::Other(format!("is {what}; to read it, {remedy}"))
 }
 
 /// Takes `bytes` off what the numbers may take.

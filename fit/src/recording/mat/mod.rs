@@ -36,11 +36,8 @@ struct Cursor<'a> {
 }
 
 impl<'a> Cursor<'a> {
-    fn error(&self, reason: impl Into<String>) -> Problem {
-        Problem::Mat {
-            offset: self.at,
-            reason: reason.into(),
-        }
+    fn error(&self, reason: impl std::fmt::Display) -> Problem {
+        Problem::Other(format!("at byte {}: {reason}", self.at))
     }
 
     fn take(&mut self, n: usize) -> Result<&'a [u8], Problem> {
@@ -114,7 +111,7 @@ impl<'a> Cursor<'a> {
 /// Every variable of the file.
 pub(super) fn variables(bytes: &[u8], options: &LoadOptions) -> Result<Vec<Variable>, Problem> {
     if bytes.is_empty() {
-        return Err(Problem::Empty);
+        return Err(Problem::empty());
     }
     let mut cursor = Cursor {
         bytes,

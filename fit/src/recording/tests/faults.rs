@@ -1,91 +1,49 @@
 //! What is put right, and said: wraps, spikes, dropouts, opposed signs, an effort that is given twice.
 
-use std::fmt::Write as _;
-
 use super::*;
 
 #[test]
 fn wraps_spikes_and_dropouts_are_found_said_and_put_right() {
-    let clean = text(&swing(|_, _, _| ()), &[]).expect("clean");
-    assert!(
-        clean
-            .warnings
-            .iter()
-            .all(|w| ["wrapped", "spike", "dropout", "position-jump"]
-                .iter()
-                .all(|c| w.code != *c)),
-        "{:?}",
-        clean.warnings
-    );
-    let worst = |r: &Recording| {
-        let off = r
-            .position
-            .iter()
-            .zip(&clean.position)
-            .map(|(a, b)| (a - b - r.position[0] + clean.position[0]).abs());
-        off.fold(0.0, f64::max)
-    };
+    let clean = read(&swing(|_, _, _| ()));
+    for code in ["wrapped", "spike", "dropout", "position-jump"] {
+        assert!(!warns(&clean, code), "{:?}", clean.warnings);
+    }
     let count = 25e-9;
-    let wrapped = text(
-        &swing(|_, x, _| *x = (*x / count).round().rem_euclid(65536.0) * count),
-        &[],
-    );
-    let wrapped = wrapped.expect("wrapped");
+    let wrapped = read(&swing(|_, x, _| {
+        *x = (*x / count).round().rem_euclid(65536.0) * count;
+    }));
     assert!(warns(&wrapped, "wrapped"), "{:?}", wrapped.warnings);
-    assert!(worst(&wrapped) < count, "{:e}", worst(&wrapped));
+    let back = clean.position[0] - wrapped.position[0];
+    let unwrapped: Vec<f64> = wrapped.position.iter().map(|x| x + back).collect();
+    let worst = apart(&unwrapped, &clean.position);
+    assert!(worst < count, "{worst:e}");
 
     // Told where it stands within a recording, over two rows of a mean: by less than a tenth of the range.
-    let range = clean
-        .position
-        .iter()
-        .fold(0.0, |r: f64, x| r.max(2.0 * x.abs()));
-    let located = text(
-        &swing(|i, x, _| {
-            *x += 0.05 * range * [0.0, 0.4, 1.0][(i.clamp(2999, 3001) - 2999) as usize]
-        }),
-        &[],
-    );
-    let located = located.expect("located");
+    let (low, high) = clean.ends();
+    let range = 2.0 * high.max(-low);
+    let located = read(&swing(|i, x, _| {
+        *x += 0.05 * range * [0.0, 0.4, 1.0][(i.clamp(2999, 3001) - 2999) as usize];
+    }));
     assert!(warns(&located, "position-jump"), "{:?}", located.warnings);
     let across = |i: usize| located.pieces.iter().any(|p| p.start < i && i < p.end);
     assert!(!across(3000) && !across(3001), "{:?}", located.pieces);
 
-    let spiked = text(
-        &swing(|i, _, f| {
-            if i == 4321 {
-                *f = 500.0
-            }
-        }),
-        &[],
-    )
-    .expect("spiked");
-    let said = spiked
-        .warnings
-        .iter()
-        .find(|w| w.code == "spike")
-        .expect("a spike");
-    assert!(said.message.contains("line 4323"), "{}", said.message);
+    let spiked = read(&swing(|i, _, f| {
+        if i == 4321 {
+            *f = 500.0;
+        }
+    }));
+    let spike = said(&spiked, "spike");
+    assert!(spike.contains("line 4323"), "{spike}");
     assert!((spiked.effort[4321] - clean.effort[4321]).abs() < 0.3);
 
-    let lost = text(
-        &swing(|i, _, f| {
-            if (3000..3250).contains(&i) {
-                *f = 0.0
-            }
-        }),
-        &[],
-    )
-    .expect("dropout");
-    let said = lost
-        .warnings
-        .iter()
-        .find(|w| w.code == "dropout")
-        .expect("a dropout");
-    assert!(
-        said.message.contains("line 3002 to line 3251"),
-        "{}",
-        said.message
-    );
+    let lost = read(&swing(|i, _, f| {
+        if (3000..3250).contains(&i) {
+            *f = 0.0;
+        }
+    }));
+    let dropout = said(&lost, "dropout");
+    assert!(dropout.contains("line 3002 to line 3251"), "{dropout}");
     assert_eq!((lost.len(), lost.pieces.len()), (9750, 2));
 }
 
@@ -101,7 +59,7 @@ fn an_axis_that_rests_before_a_gap_has_no_dropout() {
             phase.cos() + 0.1 * (f64::from(i) * 0.7).sin(),
         )
     };
-    let rested = text(&table((0..10_000).map(row)), &[]).expect("rested");
+    let rested = read(&table((0..10_000).map(row)));
     assert!(warns(&rested, "gap"), "{:?}", rested.warnings);
     assert!(!warns(&rested, "dropout"), "{:?}", rested.warnings);
     assert_eq!((rested.len(), rested.pieces.len()), (10_000, 2));
@@ -111,16 +69,11 @@ fn an_axis_that_rests_before_a_gap_has_no_dropout() {
 fn a_file_too_short_to_tell_its_sign_has_that_of_the_others() {
     let opposed = swing(|_, _, f| *f = -*f);
     // A quarter of the first stroke: one way only.
-    let short: String = opposed
-        .lines()
-        .take(600)
-        .map(|l| format!("{l}\n"))
-        .collect();
-    let load = |csv: &str| text(csv, &[]).expect("a recording");
-    assert!(!warns(&load(&short), "effort-sign-flipped"));
+    let short: String = opposed.split_inclusive('\n').take(600).collect();
+    assert!(!warns(&read(&short), "effort-sign-flipped"));
     let positive = |r: &Recording, at: usize| r.effort[at] > 0.0;
     for (first, second, at) in [(&opposed, &short, 10_100), (&short, &opposed, 100)] {
-        let whole = Recording::join(vec![load(first), load(second)]).expect("one machine");
+        let whole = Recording::join(vec![read(first), read(second)]).expect("one machine");
         assert!(warns(&whole, "effort-sign-alike"), "{:?}", whole.warnings);
         assert!(positive(&whole, at), "the stroke moves on in +x");
     }
@@ -128,26 +81,17 @@ fn a_file_too_short_to_tell_its_sign_has_that_of_the_others() {
 
 #[test]
 fn an_angle_that_wraps_at_a_turn_is_unwrapped() {
-    let mut csv = "t_s,q_rad,torque_Nm\n".to_owned();
-    for i in 0..6000 {
-        let q = 20.0 * (f64::from(i) * 0.002).sin();
-        let wrapped = q.rem_euclid(std::f64::consts::TAU);
-        writeln!(
-            csv,
-            "{},{wrapped:.6},{}",
-            f64::from(i) * 0.001,
-            (f64::from(i) * 0.002).cos().signum()
-        )
-        .expect("memory");
-    }
-    let r = text(&csv, &[]).expect("wrapped");
+    let angle = |i: usize| 20.0 * (i as f64 * 0.002).sin();
+    let row = |i: usize| {
+        let (t, torque) = (i as f64 * 0.001, (i as f64 * 0.002).cos().signum());
+        let wrapped = angle(i).rem_euclid(std::f64::consts::TAU);
+        format!("{t},{wrapped:.6},{torque}\n")
+    };
+    let rows: String = (0..6000).map(row).collect();
+    let r = read(&format!("t_s,q_rad,torque_Nm\n{rows}"));
     assert!(warns(&r, "wrapped"), "{:?}", r.warnings);
-    for (i, q) in r.position.iter().enumerate() {
-        assert!(
-            (q - 20.0 * (i as f64 * 0.002).sin()).abs() < 1e-5,
-            "{i}: {q}"
-        );
-    }
+    let right: Vec<f64> = (0..6000).map(angle).collect();
+    assert!(apart(&r.position, &right) < 1e-5);
 }
 
 /// A drive logs the force and the current that makes it: the force is the effort, wherever it stands.
@@ -157,35 +101,26 @@ fn of_two_efforts_the_one_nearer_to_the_load_is_taken_and_the_other_left_out() {
     let twice = |before: bool| -> String {
         let rows = clean.lines().enumerate().map(|(i, line)| {
             let (motion, force) = line.rsplit_once(',').expect("columns");
-            let current = if i == 0 {
-                "current_A".into()
-            } else {
-                format!("{}", (i % 7) as f64)
+            let current = match i {
+                0 => "current_A".to_owned(),
+                i => (i % 7).to_string(),
             };
-            if before {
-                format!("{motion},{current},{force}\n")
-            } else {
-                format!("{motion},{force},{current}\n")
+            match before {
+                true => format!("{motion},{current},{force}\n"),
+                false => format!("{motion},{force},{current}\n"),
             }
         });
         rows.collect()
     };
-    let alone = text(&clean, &[]).expect("clean");
+    let alone = read(&clean);
     for before in [false, true] {
-        let r = text(&twice(before), &[]).expect("two efforts");
+        let r = read(&twice(before));
         assert_eq!((r.role, &r.effort), (EffortRole::Force, &alone.effort));
         assert!(r.extra.is_empty(), "left out, not a coordinate");
-        let said = r
-            .warnings
-            .iter()
-            .find(|w| w.code == "effort-chosen")
-            .expect("said");
-        assert!(
-            said.message.contains("`force_N`")
-                && said.message.contains("--map current_A=current_A"),
-            "{}",
-            said.message
-        );
+        let chosen = said(&r, "effort-chosen");
+        for part in ["`force_N`", "--map current_A=current_A"] {
+            assert!(chosen.contains(part), "{chosen}");
+        }
     }
     let mapped = text(&twice(false), &[("current_A", "current_A")]).expect("mapped");
     assert_eq!(mapped.role, EffortRole::Current);

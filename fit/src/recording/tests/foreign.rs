@@ -30,11 +30,9 @@ pub(super) fn as_told(csv: &str) -> (Recording, Vec<String>) {
         let map = m.trim_start_matches("--map ").trim_matches('\'');
         parse_map(map).unwrap_or_else(|e| panic!("{e}"))
     });
-    let options = LoadOptions {
-        map: map.collect(),
-        ..LoadOptions::default()
-    };
-    let r = load_csv(csv.as_bytes(), "test", &options);
+    let map: Vec<_> = map.collect();
+    let map: Vec<_> = map.iter().map(|(a, b)| (a.as_str(), b.as_str())).collect();
+    let r = text(csv, &map);
     (r.unwrap_or_else(|e| panic!("{maps:?}: {e}")), maps)
 }
 
@@ -66,38 +64,31 @@ pub(super) fn is_joint(name: &str, r: &Recording, effort: f64) {
 fn a_clock_that_wraps_goes_on() {
     let row = |t: String, (_, q, _, f): (f64, f64, f64, f64)| format!("{t},{q:.9},{f:.9}");
     for (name, first, range, per_second, map) in [
-        ("micros", 4_294_000_000_u64, 1_u64 << 32, 1e6, None),
-        ("millis", 60_000, 1 << 16, 1e3, None),
-        ("cycles", 16_000_000, 1 << 24, 1e6, Some("t_s=1e-6*cycles")),
+        ("micros", 4_294_000_000_u64, 1_u64 << 32, 1e6, &[][..]),
+        ("millis", 60_000, 1 << 16, 1e3, &[]),
+        (
+            "cycles",
+            16_000_000,
+            1 << 24,
+            1e6,
+            &[("t_s", "1e-6*cycles")],
+        ),
     ] {
         let step = (per_second * 0.002) as u64;
         let csv = joint_rows(&format!("{name},q_rad,torque_Nm\n"), |i, joint| {
             row(((first + step * i as u64) % range).to_string(), joint)
         });
-        let map: Vec<_> = map.iter().map(|m| parse_map(m).expect("a map")).collect();
-        let options = LoadOptions {
-            map,
-            ..LoadOptions::default()
-        };
-        let r = load_csv(csv.as_bytes(), name, &options).unwrap_or_else(|e| panic!("{e}"));
+        let r = text(&csv, map).unwrap_or_else(|e| panic!("{name}: {e}"));
         assert!(warns(&r, "time-wrapped"), "{name}: {:?}", r.warnings);
         is_joint(name, &r, 1.0);
     }
     // Seconds of the day past midnight; a clock that starts again is no counter.
     let of_day = |i: i32| format!("{:.3}", (86_396.0 + f64::from(i) * 0.002) % 86_400.0);
     let csv = joint_rows("t_s,q_rad,torque_Nm\n", |i, joint| row(of_day(i), joint));
-    is_joint(
-        "seconds of the day",
-        &text(&csv, &[]).expect("midnight"),
-        1.0,
-    );
+    is_joint("seconds of the day", &read(&csv), 1.0);
     let again = |i: i32| format!("{}", i % 2000 * 2000);
     let csv = joint_rows("micros,q_rad,torque_Nm\n", |i, joint| row(again(i), joint));
-    let e = text(&csv, &[]).expect_err("starts again").to_string();
-    assert!(
-        e.contains("runs backwards") && e.contains("line 2002"),
-        "{e}"
-    );
+    refuses(text(&csv, &[]), &["runs backwards", "line 2002"]);
 }
 
 #[test]
@@ -129,13 +120,9 @@ fn a_time_step_a_row_and_a_stamp_in_parts_are_times() {
     let csv = joint_rows("q_rad,torque_Nm\n", |_, (_, q, _, f)| {
         format!("{q:.9},{f:.9}")
     });
-    let e = text(&csv, &[]).expect_err("no time").to_string();
-    assert!(e.contains("--map dt_s=SAMPLE_TIME_IN_S"), "{e}");
-    is_joint(
-        "a number",
-        &text(&csv, &[("dt_s", "0.002")]).expect("a step"),
-        1.0,
-    );
+    refuses(text(&csv, &[]), &["--map dt_s=SAMPLE_TIME_IN_S"]);
+    let stepped = text(&csv, &[("dt_s", "0.002")]).expect("a step");
+    is_joint("a number", &stepped, 1.0);
     // Since 1970, in whatever a tool counts it in.
     for per_second in [1e3, 1e6, 1e9] {
         let csv = joint_rows("timestamp,q_rad,torque_Nm\n", |_, (t, q, _, f)| {
@@ -272,13 +259,9 @@ fn json_is_read_by_lines_rows_and_arrays() {
     (broken[100], broken[200]) = (&nan, &broken[200][..30]);
     let map = [("q_rad", "state.pos"), ("effort_raw", "torque.0")];
     let r = text(&broken.join("\n"), &map).expect("two lost");
-    let said = r
-        .warnings
-        .iter()
-        .find(|w| w.code == "lost-samples")
-        .expect("said");
+    let lost = said(&r, "lost-samples");
     for part in ["2 samples", "line 101", "`state.pos`", "line 201"] {
-        assert!(said.message.contains(part), "{said}");
+        assert!(lost.contains(part), "{lost}");
     }
     for bad in [
         "{\"t\": ",
@@ -294,11 +277,8 @@ fn json_is_read_by_lines_rows_and_arrays() {
 #[test]
 fn a_map_adds_up_products_of_columns() {
     let csv = "Zeit [s];Weg [mm];pA [bar];pB [bar]\n0,00;10,0;4,25;5,00\n0,01;10,5;4,50;5,25\n0,02;11,0;4,75;5,00\n";
-    let e = text(csv, &[]).expect_err("no effort").to_string();
-    assert!(
-        e.contains("--map 'force_N=1e5*AREA_M2*pA [bar]-1e5*AREA_M2*pB [bar]'"),
-        "{e}"
-    );
+    let sum = "--map 'force_N=1e5*AREA_M2*pA [bar]-1e5*AREA_M2*pB [bar]'";
+    refuses(text(csv, &[]), &[sum]);
     for map in [
         "100*pA-80*pB",
         "100 * pA [bar] - 80 * pB [bar]",
@@ -306,17 +286,13 @@ fn a_map_adds_up_products_of_columns() {
         "100*pA[bar]+-80*pB[bar]",
     ] {
         let r = text(csv, &[("force_N", map)]).unwrap_or_else(|e| panic!("{map}: {e}"));
-        for (f, right) in r.effort.iter().zip([25.0, 30.0, 75.0]) {
-            assert!((f - right).abs() < 1e-9, "{map}: {f} {right}");
-        }
+        assert!(apart(&r.effort, &[25.0, 30.0, 75.0]) < 1e-9, "{map}");
         assert_eq!(r.position, [0.01, 0.0105, 0.011]);
     }
     let shifted = text(csv, &[("force_N", "pA*2-8")]).expect("an offset");
     assert_eq!(shifted.effort, [0.5, 1.0, 1.5]);
-    refuses(
-        text(csv, &[("force_N", "100*pA-80*pC")]),
-        &["no column `pC`"],
-    );
+    let unknown = text(csv, &[("force_N", "100*pA-80*pC")]);
+    refuses(unknown, &["no column `pC`"]);
 }
 
 #[test]
@@ -330,35 +306,30 @@ fn a_current_of_hundreds_is_asked_about_by_its_column_and_travel_is_counted() {
         )
     });
     let r = text(&csv, &[("current_A", "iq")]).expect("taken as amperes");
-    let asked = r
-        .warnings
-        .iter()
-        .find(|w| w.code == "implausible")
-        .expect("asked");
-    assert!(asked.message.contains("`iq` is in mA"), "{asked}");
-    assert_eq!(asked.maps, ["current_A=0.001*iq"]);
+    let asked = |r: &Recording| {
+        let asked = r.warnings.iter().find(|w| w.code == "implausible");
+        asked.expect("asked").maps.clone()
+    };
+    assert!(said(&r, "implausible").contains("`iq` is in mA"));
+    assert_eq!(asked(&r), ["current_A=0.001*iq"]);
     let line = r.in_one_line();
     assert!(line.contains("travel 2.12 rad (1382 counts)"), "{line}");
-    let map = asked.maps[0].split_once('=').expect("a map");
-    let r = text(&csv, &[map]).expect("as told");
+    let r = text(&csv, &[("current_A", "0.001*iq")]).expect("as told");
     assert!(!warns(&r, "implausible") && r.in_one_line().contains("current ±"));
     // A time in another unit shows by how long its steps are.
     for (per_second, factor) in [(1e3, "0.001"), (1e6, "0.000001"), (1e9, "0.000000001")] {
         let csv = joint_rows("t,q_rad,torque_Nm\n", |_, (t, q, _, f)| {
             format!("{:.0},{q:.9},{f:.9}", per_second * t)
         });
-        let r = text(&csv, &[]).expect("taken as seconds");
-        let asked = r.warnings.iter().find(|w| w.code == "implausible");
-        let map = format!("t_s={factor}*t");
-        assert_eq!(asked.expect("asked").maps, [map.as_str()]);
-        let map = map.split_once('=').expect("a map");
-        is_joint(factor, &text(&csv, &[map]).expect("as told"), 1.0);
+        let map = format!("{factor}*t");
+        assert_eq!(asked(&read(&csv)), [format!("t_s={map}")]);
+        is_joint(factor, &text(&csv, &[("t_s", &map)]).expect("as told"), 1.0);
     }
     // What is no multiple of anything has no counts.
     let csv = joint_rows("t_s,q_rad,torque_Nm\n", |_, (t, q, _, f)| {
         format!("{t},{q},{f}")
     });
-    let line = text(&csv, &[]).expect("plain").in_one_line();
+    let line = read(&csv).in_one_line();
     assert!(!line.contains("counts"), "{line}");
 }
 
@@ -387,16 +358,10 @@ fn every_shared_format_is_read_or_says_how() {
         } else {
             1.0
         };
-        for i in 0..right.len() {
-            assert!(
-                (r.position[i] - right.position[i]).abs() < 1e-4,
-                "{name} {i}"
-            );
-            assert!(
-                (r.effort[i] / unit - right.effort[i]).abs() < 1e-5,
-                "{name} {i}"
-            );
-        }
+        let effort: Vec<f64> = r.effort.iter().map(|f| f / unit).collect();
+        let n = right.len();
+        assert!(apart(&r.position[..n], &right.position) < 1e-4, "{name}");
+        assert!(apart(&effort[..n], &right.effort) < 1e-5, "{name}");
         seen += 1;
     }
     assert_eq!(seen, 9, "files of the folder");
@@ -415,12 +380,8 @@ fn a_table_without_time_is_told_from_a_recording() {
     assert_eq!((table.velocity.len(), table.kind), (10, MotionKind::Rotary));
     assert!((table.velocity[0] - std::f64::consts::TAU).abs() < 1e-12);
     assert_eq!(table.effort[1], 0.002);
-    assert!(
-        table
-            .warnings
-            .iter()
-            .any(|w| w.code == "lost-samples" && w.message.contains("line 3"))
-    );
+    let lost = table.warnings.iter().find(|w| w.code == "lost-samples");
+    assert!(lost.is_some_and(|w| w.message.contains("line 3")));
     for other in [
         "t_s,qd_rad_s,torque_Nm\n0,1,1\n1,2,2\n",
         "q_rad,qd_rad_s,torque_Nm\n0,1,1\n1,2,2\n",
@@ -428,8 +389,6 @@ fn a_table_without_time_is_told_from_a_recording() {
     ] {
         assert!(load(other).expect("no table").is_none(), "{other}");
     }
-    refuses(
-        load("qd_rad_s,torque_Nm\n1,1\n2,x\n3,y\n"),
-        &["line 3", "`x`"],
-    );
+    let words = load("qd_rad_s,torque_Nm\n1,1\n2,x\n3,y\n");
+    refuses(words, &["line 3", "`x`"]);
 }

@@ -45,32 +45,29 @@ fn counters_of_time_are_known_by_their_names_and_units() {
         is_joint(name, &r, 1.0);
     }
     // Below four samples a turn a wrap is as near as none.
-    let e = text(
-        &timed("tick_us", |i| (20_000 * i % 65_536).to_string()),
-        &[],
-    );
-    assert!(e.expect_err("too few").to_string().contains("backwards"));
+    let few = timed("tick_us", |i| (20_000 * i % 65_536).to_string());
+    refuses(text(&few, &[]), &["backwards"]);
 }
 
 #[test]
 fn no_sample_time_is_invented() {
     let row = |_, (_, q, _, f): Joint| format!("{q:.9},{f:.9}");
     let csv = joint_rows("q_rad,torque_Nm\n", row);
-    refuses(
-        text(&csv, &[]),
-        &[
-            "--map dt_s=SAMPLE_TIME_IN_S",
-            "your own in place of SAMPLE_TIME_IN_S",
-        ],
-    );
-    refuses(
-        text(&csv, &[("dt_s", "SAMPLE_TIME_IN_S")]),
-        &["put your own in place of `SAMPLE_TIME_IN_S`"],
-    );
-    let csv = timed("tick", |i| (2000 * i).to_string());
-    refuses(text(&csv, &[]), &["--map 't_s=FACTOR*tick'"]);
+    let ticks = timed("tick", |i| (2000 * i).to_string());
     let counted = joint_rows("", |i, (_, q, _, f)| format!("{i} {q:.9} {f:.9}"));
-    refuses(text(&counted, &[]), &["dt_s=SAMPLE_TIME_IN_S"]);
+    for (csv, map, part) in [
+        (&csv, &[][..], "--map dt_s=SAMPLE_TIME_IN_S"),
+        (&csv, &[], "your own in place of SAMPLE_TIME_IN_S"),
+        (
+            &csv,
+            &[("dt_s", "SAMPLE_TIME_IN_S")],
+            "put your own in place of `SAMPLE_TIME_IN_S`",
+        ),
+        (&ticks, &[], "--map 't_s=FACTOR*tick'"),
+        (&counted, &[], "dt_s=SAMPLE_TIME_IN_S"),
+    ] {
+        refuses(text(csv, map), &[part]);
+    }
     // What the file states beside its columns is no invention.
     for (header, maps) in [
         (
@@ -146,8 +143,7 @@ fn names_with_paths_and_units_are_offered_whole() {
     assert!((r.velocity.expect("measured")[1] - 2.0 * turn).abs() < 1e-12);
     // What a count is worth only its user knows.
     let counts = "t_s,enc_counts,torque_Nm\n0,1,1\n1,2,1\n2,3,1\n";
-    let e = text(counts, &[]).expect_err("counts").to_string();
-    assert!(e.contains("--map 'q_rad=FACTOR*enc_counts'"), "{e}");
+    refuses(text(counts, &[]), &["--map 'q_rad=FACTOR*enc_counts'"]);
 }
 
 #[test]
@@ -163,19 +159,11 @@ fn numbers_behind_their_names_are_read() {
         });
         // A line that was cut before it began to be heard.
         csv.insert_str(0, &format!("1{separator}torque_Nm{colon}0.1\n"));
-        is_joint(
-            separator,
-            &text(&csv, &[]).unwrap_or_else(|e| panic!("{e}")),
-            1.0,
-        );
+        is_joint(separator, &read(&csv), 1.0);
         // One that lost a name is a lost sample.
-        let lost = csv.replacen("q_rad", "q_ra", 1);
-        let r = text(&lost, &[]).unwrap_or_else(|e| panic!("{e}"));
-        assert!(
-            (r.len(), warns(&r, "lost-samples")) == (3998, true) || r.len() == 3999,
-            "{}",
-            r.len()
-        );
+        let r = read(&csv.replacen("q_rad", "q_ra", 1));
+        let is_lost = (r.len(), warns(&r, "lost-samples")) == (3998, true);
+        assert!(is_lost || r.len() == 3999, "{}", r.len());
     }
     let (_, told) = as_told(&joint_rows("", |_, (t, q, _, f)| {
         format!("t:{t:.3}\tpos:{q:.9}\ttau:{f:.9}")
@@ -201,11 +189,7 @@ fn clocks_of_twelve_hours_are_read_across_noon_and_midnight() {
                 false => format!("{date}12:00:{:06.3} {second}", f64::from(ms - 2000) / 1e3),
             }
         };
-        is_joint(
-            first,
-            &text(&timed("Time", time), &[]).unwrap_or_else(|e| panic!("{e}")),
-            1.0,
-        );
+        is_joint(first, &read(&timed("Time", time)), 1.0);
     }
 }
 
@@ -241,39 +225,20 @@ fn thousands_in_quotes_are_numbers() {
                 )
             },
         );
-        is_joint(
-            "commas",
-            &text(&csv, &[]).unwrap_or_else(|e| panic!("{e}")),
-            1.0,
-        );
+        is_joint("commas", &read(&csv), 1.0);
         let semicolons = csv.replace("\",\"", ";").replace('"', "");
         if decimals > 0 {
-            is_joint(
-                "semicolons",
-                &text(&semicolons, &[]).unwrap_or_else(|e| panic!("{e}")),
-                1.0,
-            );
+            is_joint("semicolons", &read(&semicolons), 1.0);
             // The other way round.
             let other = semicolons
                 .replace('.', "'")
                 .replace(',', ".")
                 .replace('\'', ",");
-            is_joint(
-                "points",
-                &text(&other, &[]).unwrap_or_else(|e| panic!("{e}")),
-                1.0,
-            );
+            is_joint("points", &read(&other), 1.0);
         }
     }
-    let e = text(
-        "t_s,x_m,force_N\n\"1,000\",\"2,000\",\"3\"\n\"1,001\",\"2,500\",\"3\"\n",
-        &[],
-    );
-    let e = e.expect_err("of what").to_string();
-    assert!(
-        e.contains("line 2") && e.contains("thousands or of decimals"),
-        "{e}"
-    );
+    let unsure = "t_s,x_m,force_N\n\"1,000\",\"2,000\",\"3\"\n\"1,001\",\"2,500\",\"3\"\n";
+    refuses(text(unsure, &[]), &["line 2", "thousands or of decimals"]);
 }
 
 #[test]
@@ -321,17 +286,10 @@ fn a_scan_may_take_seconds_a_place() {
             let place = (i % 60 - 30).abs();
             format!("{},{},{}\n", 2 * i, 0.005 * f64::from(place), 3 + i % 7)
         };
-        format!(
-            "{name},x_m,force_N\n{}",
-            (0..240).map(row).collect::<String>()
-        )
+        let rows: String = (0..240).map(row).collect();
+        format!("{name},x_m,force_N\n{rows}")
     };
-    let asks = |csv: &str| {
-        warns(
-            &text(csv, &[]).unwrap_or_else(|e| panic!("{e}")),
-            "implausible",
-        )
-    };
+    let asks = |csv: &str| warns(&read(csv), "implausible");
     assert!(!asks(&rows("t_s")) && asks(&rows("t")));
     let fine: String = swing(|_, _, _| {})
         .lines()

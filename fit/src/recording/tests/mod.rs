@@ -9,13 +9,12 @@ mod real;
 mod refusals;
 mod text;
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use super::*;
 use preslide_host_tests::refusal::refuses;
 
-fn options(map: &[(&str, &str)]) -> LoadOptions {
+pub(super) fn options(map: &[(&str, &str)]) -> LoadOptions {
     LoadOptions {
         map: map
             .iter()
@@ -25,12 +24,42 @@ fn options(map: &[(&str, &str)]) -> LoadOptions {
     }
 }
 
-fn text(csv: &str, map: &[(&str, &str)]) -> Result<Recording, RecordingError> {
+pub(super) fn text(csv: &str, map: &[(&str, &str)]) -> Result<Recording, RecordingError> {
     load_csv(csv.as_bytes(), "test.csv", &options(map))
 }
 
-fn warns(r: &Recording, code: &str) -> bool {
+/// A text that must be readable.
+pub(super) fn read(csv: &str) -> Recording {
+    text(csv, &[]).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A MATLAB file from memory.
+pub(super) fn load_mat(
+    bytes: &[u8],
+    name: &str,
+    options: &LoadOptions,
+) -> Result<Recording, RecordingError> {
+    recording(super::read::mat(bytes, options), name, options)
+}
+
+pub(super) fn warns(r: &Recording, code: &str) -> bool {
     r.warnings.iter().any(|w| w.code == code)
+}
+
+/// What the warning of that code says, which must be there.
+#[track_caller]
+pub(super) fn said<'a>(r: &'a Recording, code: &str) -> &'a str {
+    let found = r.warnings.iter().find(|w| w.code == code);
+    &found
+        .unwrap_or_else(|| panic!("no {code}: {:?}", r.warnings))
+        .message
+}
+
+/// The largest difference of two columns.
+pub(super) fn apart(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    apart.fold(0.0, f64::max)
 }
 
 /// Loads `folder/name`, which must succeed.
@@ -40,11 +69,8 @@ fn real_file(folder: &Path, name: &str, map: &[(&str, &str)]) -> Recording {
 
 /// `rows` of (t, x, F) as CSV.
 fn table(rows: impl IntoIterator<Item = (f64, f64, f64)>) -> String {
-    rows.into_iter()
-        .fold("t_s,x_m,force_N\n".into(), |mut out, (t, x, f)| {
-            writeln!(out, "{t},{x},{f}").expect("memory");
-            out
-        })
+    let rows = rows.into_iter().map(|(t, x, f)| format!("{t},{x},{f}\n"));
+    format!("t_s,x_m,force_N\n{}", rows.collect::<String>())
 }
 
 /// A swing of 30 mm in all, 0.2 Hz, at 500 Hz, with its Coulomb force.
@@ -64,26 +90,18 @@ fn swing(change: impl Fn(i32, &mut f64, &mut f64)) -> String {
 fn check_invariants(r: &Recording) {
     let n = r.len();
     assert!(n >= 2 && !r.is_empty());
-    assert!(
-        [
-            r.position.len(),
-            r.effort.len(),
-            r.segment.len(),
-            r.repeat.len()
-        ]
-        .iter()
-        .all(|&l| l == n)
-    );
+    let lengths = [
+        r.position.len(),
+        r.effort.len(),
+        r.segment.len(),
+        r.repeat.len(),
+    ];
+    assert_eq!(lengths, [n; 4]);
     assert_eq!(r.pieces.iter().map(|p| p.len()).sum::<usize>(), n);
     assert!(r.pieces.windows(2).all(|w| w[0].end == w[1].start));
     for piece in &r.pieces {
         assert!(r.t_s[piece.clone()].windows(2).all(|w| w[0] < w[1]));
     }
-    assert!(
-        r.position
-            .iter()
-            .chain(&r.effort)
-            .chain(&r.t_s)
-            .all(|v| v.is_finite())
-    );
+    let mut all = r.position.iter().chain(&r.effort).chain(&r.t_s);
+    assert!(all.all(|v| v.is_finite()));
 }

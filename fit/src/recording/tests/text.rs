@@ -2,16 +2,10 @@
 
 use std::io::{self, Read};
 
-use super::super::{LoadOptions, Problem, Recording, RecordingError, load_csv};
+use super::*;
 
-fn load(text: &str) -> Result<Recording, RecordingError> {
-    load_csv(text.as_bytes(), "test.csv", &LoadOptions::default())
-}
-fn error(text: &str) -> RecordingError {
-    match load(text) {
-        Ok(_) => panic!("accepted: {text}"),
-        Err(error) => error,
-    }
+fn load(csv: &str) -> Result<Recording, RecordingError> {
+    text(csv, &[])
 }
 
 #[test]
@@ -26,52 +20,35 @@ fn bad_cells_name_file_line_and_column() {
         ("1.2.3", "not a number"),
         ("0x10", "not a number"),
     ] {
-        let e = error(&format!(
-            "# remark\n\nt_s,x_m,force_N\n0,0,1\n1,{cell},1\n2,0,1\n"
-        ));
-        let text = e.to_string();
-        assert!(matches!(e.problem, Problem::Cell { .. }), "{text}");
-        for part in ["test.csv", "line 5", "`x_m`", reason] {
-            assert!(text.contains(part), "{text} lacks {part}");
-        }
+        let csv = format!("# remark\n\nt_s,x_m,force_N\n0,0,1\n1,{cell},1\n2,0,1\n");
+        refuses(load(&csv), &["test.csv", "line 5, column `x_m`", reason]);
     }
 }
 
 #[test]
-fn rows_of_the_wrong_length_name_the_line() {
-    let e = error("t_s,x_m,force_N\n0,0,1\n1,0\n").to_string();
-    assert!(e.contains("line 3: 2 cells where the header has 3"), "{e}");
-    let e = error("t_s,x_m,force_N\n0,0,0,1,1,5\n").to_string();
-    assert!(e.contains("decimal commas") || e.contains("cells"), "{e}");
-}
-
-#[test]
-fn headers_that_are_none() {
-    // Names between commas, the sample between semicolons.
-    assert!(matches!(
-        error("t_s,x_m,force_N\n0;0;1\n").problem,
-        Problem::TooShort { samples: 1, .. }
-    ));
-    let e = error("0,0,1\n1,0,1\n");
-    assert!(matches!(e.problem, Problem::NoHeader { line: 1, .. }));
-    assert!(e.to_string().contains("t_s,x_m,force_N"), "{e}");
-    for empty in ["", "\n\n", "# only a remark\n", "\u{feff}"] {
-        let e = error(empty);
-        assert!(matches!(e.problem, Problem::Empty), "{empty:?}");
-        assert!(e.to_string().contains("header"), "{e}");
+fn what_is_no_text_of_rows_below_a_header_is_refused() {
+    for (csv, parts) in [
+        (
+            "t_s,x_m,force_N\n0,0,1\n1,0\n",
+            &["line 3: 2 cells where the header has 3"][..],
+        ),
+        ("t_s,x_m,force_N\n0,0,0,1,1,5\n", &["decimal commas"]),
+        // Names between commas, the sample between semicolons.
+        ("t_s,x_m,force_N\n0;0;1\n", &["holds 1 samples"]),
+        (
+            "0,0,1\n1,0,1\n",
+            &["line 1: `0` is a number", "t_s,x_m,force_N"],
+        ),
+        ("", &["is empty", "header"]),
+        ("\n\n", &["is empty", "header"]),
+        ("# only a remark\n", &["is empty", "header"]),
+        ("\u{feff}", &["is empty", "header"]),
+        ("t_s,x_m,force_N\n", &["holds 0 samples"]),
+        ("t_s,x_m,force_N\n0,0,1\n", &["holds 1 samples"]),
+        ("t_s,x_m\0,force_N\n", &["a zero byte"]),
+    ] {
+        refuses(load(csv), parts);
     }
-    assert!(matches!(
-        error("t_s,x_m,force_N\n").problem,
-        Problem::TooShort { samples: 0, .. }
-    ));
-    assert!(matches!(
-        error("t_s,x_m,force_N\n0,0,1\n").problem,
-        Problem::TooShort { samples: 1, .. }
-    ));
-    assert!(matches!(
-        error("t_s,x_m\0,force_N\n").problem,
-        Problem::NotText { .. }
-    ));
 }
 
 #[test]
@@ -129,29 +106,30 @@ fn what_drives_write_around_the_samples_is_read() {
             (&plain.t_s, &plain.position, &plain.effort),
             "{name}"
         );
-        let footer = read
-            .warnings
-            .iter()
-            .any(|w| w.code == "footer" && w.message.contains("line 5"));
-        assert_eq!(footer, name == "a footer");
+        let has_footer = warns(&read, "footer") && said(&read, "footer").contains("line 5");
+        assert_eq!(has_footer, name == "a footer");
     }
 }
 
 #[test]
 fn all_bad_cells_are_counted_and_absurd_ones_refused() {
-    let e = error("t_s,x_m,force_N\n0,0,1\n1,nan,1\n2,0,1\n3,0,x\n4,0,1\n").to_string();
-    assert!(
-        e.contains("line 3") && e.contains("1 more") && e.contains("line 5"),
-        "{e}"
-    );
-    let e = error("t_s,x_m,force_N\n0,0,1\n1,0,1e288\n2,0,1\n").to_string();
-    assert!(
-        e.contains("line 3") && e.contains("force_N") && e.contains("no sensor"),
-        "{e}"
-    );
+    for (csv, parts) in [
+        (
+            "t_s,x_m,force_N\n0,0,1\n1,nan,1\n2,0,1\n3,0,x\n4,0,1\n",
+            &["line 3", "1 more", "line 5"][..],
+        ),
+        (
+            "t_s,x_m,force_N\n0,0,1\n1,0,1e288\n2,0,1\n",
+            &["line 3", "force_N", "no sensor"],
+        ),
+    ] {
+        refuses(load(csv), parts);
+    }
     let rows: String = (0..100).map(|i| format!("{i},{},1,{i}\n", i % 7)).collect();
-    let e = error(&format!("t_s,x_m,force_N,repeat\n{rows}")).to_string();
-    assert!(e.contains("repeat") && e.contains("counts rows"), "{e}");
+    refuses(
+        load(&format!("t_s,x_m,force_N,repeat\n{rows}")),
+        &["repeat", "counts rows"],
+    );
     let floats = load("t_s,x_m,force_N,repeat\n0,0,1,0.0\n1,1,1,1.0\n2,0,1,1.0\n").expect("1.0");
     assert_eq!(floats.repeat, [0, 1, 1]);
 }
@@ -166,13 +144,7 @@ fn bom_crlf_quotes_spaces_and_remarks_are_accepted() {
         (&odd.t_s, &odd.position, &odd.effort)
     );
     assert!(plain.t_s.first().is_some_and(|t| t.is_sign_positive()));
-    let notes: Vec<_> = odd
-        .warnings
-        .iter()
-        .filter(|w| w.code == "unused-columns")
-        .collect();
-    assert_eq!(notes.len(), 1);
-    assert!(notes.iter().all(|w| w.message.contains("note")));
+    assert!(said(&odd, "unused-columns").contains("note"));
 }
 
 /// Rows without end, made on the fly.
@@ -203,12 +175,8 @@ fn a_stream_without_end_is_refused_at_the_sample_limit() {
         row: 0,
         buffer: Vec::new(),
     });
-    let e = load_csv(input, "endless.csv", &options).expect_err("endless");
-    assert!(
-        matches!(e.problem, Problem::TooManySamples { limit: 50_000, .. }),
-        "{e}"
-    );
-    assert!(e.to_string().contains("line 50002"), "{e}");
+    let parts = ["more than 50000 samples", "line 50002"];
+    refuses(load_csv(input, "endless.csv", &options), &parts);
 }
 
 #[test]
