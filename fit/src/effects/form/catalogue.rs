@@ -44,6 +44,25 @@ pub static ALL: [&Form; 28] = [
     &CREEP,
 ];
 
+/// A form whose term is the library's type of that name, built from the values of the keys and what follows them: on the host, and in exported
+/// source, in C with this term.
+macro_rules! library {
+    ($kind:ident($($value:ident),*), [$($more:ident),*], $c:expr) => {
+        Form {
+            library: |effect, _sample_time| {
+                let [$($value),*] = effect.numbers();
+                term($kind::try_new($($value,)* $(library!(on the host: $more _sample_time)),*))
+            },
+            controller: built(stringify!($kind), &[$(Argument::$more),*], $c),
+            ..BARE
+        }
+    };
+    (on the host: ForceLimit $time:ident) => { FAR };
+    (on the host: LevelLimit $time:ident) => { LARGEST_LEVEL };
+    (on the host: SampleTime $time:ident) => { $time };
+    (on the host: Units $time:ident) => { Units::SI };
+}
+
 /// A change of the friction level.
 const LEVEL: Range = Within(LARGEST_LEVEL);
 
@@ -63,13 +82,7 @@ pub static CONSTANT_FORCE: Form = Form {
     id: "constant_force",
     keys: &[("force_N", Any)],
     example: &[0.1],
-    library: |effect, _| term(ConstantForce::try_new(effect.get("force_N"), Units::SI)),
-    controller: built(
-        "ConstantForce",
-        &[Argument::Units],
-        CTerm::force("$force_N"),
-    ),
-    ..BARE
+    ..library!(ConstantForce(force), [Units], CTerm::force("$force_N"))
 };
 
 /// `b·v`, which a model file has among the keys of `[friction]`.
@@ -90,13 +103,11 @@ pub static COULOMB_ASYMMETRY: Form = Form {
     id: "coulomb_asymmetry",
     keys: &[("asymmetry", Within(1.0))],
     example: &[0.1],
-    library: |effect, _| term(CoulombAsymmetry::try_new(effect.get("asymmetry"))),
-    controller: built(
-        "CoulombAsymmetry",
-        &[],
-        CTerm::level("friction > 0.0f ? $asymmetry : friction < 0.0f ? -$asymmetry : 0.0f"),
-    ),
-    ..BARE
+    ..library!(
+        CoulombAsymmetry(asymmetry),
+        [],
+        CTerm::level("friction > 0.0f ? $asymmetry : friction < 0.0f ? -$asymmetry : 0.0f")
+    )
 };
 
 /// `d·abs(v)`: viscous friction is `viscous + d` forwards and `viscous − d` backwards.
@@ -104,20 +115,12 @@ pub static VISCOUS_ASYMMETRY: Form = Form {
     id: "viscous_asymmetry",
     keys: &[("half_difference_N_s_per_m", Any)],
     example: &[6.0],
-    library: |effect, _| {
-        term(ViscousAsymmetry::try_new(
-            effect.get("half_difference_N_s_per_m"),
-            FAR,
-            Units::SI,
-        ))
-    },
-    controller: built(
-        "ViscousAsymmetry",
-        &[Argument::ForceLimit, Argument::Units],
-        CTerm::force("limited($half_difference_N_s_per_m * fabsf(v), FORCE_LIMIT)"),
-    ),
     of_speed: true,
-    ..BARE
+    ..library!(
+        ViscousAsymmetry(half_difference),
+        [ForceLimit, Units],
+        CTerm::force("limited($half_difference_N_s_per_m * fabsf(v), FORCE_LIMIT)")
+    )
 };
 
 /// `c·v·abs(v)`.
@@ -125,20 +128,12 @@ pub static QUADRATIC_DRAG: Form = Form {
     id: "quadratic_drag",
     keys: &[("drag_N_s2_per_m2", Any)],
     example: &[40.0],
-    library: |effect, _| {
-        term(QuadraticDrag::try_new(
-            effect.get("drag_N_s2_per_m2"),
-            FAR,
-            Units::SI,
-        ))
-    },
-    controller: built(
-        "QuadraticDrag",
-        &[Argument::ForceLimit, Argument::Units],
-        CTerm::force("limited($drag_N_s2_per_m2 * (v * fabsf(v)), FORCE_LIMIT)"),
-    ),
     of_speed: true,
-    ..BARE
+    ..library!(
+        QuadraticDrag(drag),
+        [ForceLimit, Units],
+        CTerm::force("limited($drag_N_s2_per_m2 * (v * fabsf(v)), FORCE_LIMIT)")
+    )
 };
 
 /// `m = 1 + a·exp(−(abs(v)/v_s)^δ)`.
@@ -150,16 +145,11 @@ pub static STRIBECK: Form = Form {
         ("exponent", Between(1.0, 4.0)),
     ],
     example: &[0.3, 5e-3, 2.0],
-    library: |effect, _| {
-        let [level, velocity, exponent] = effect.numbers();
-        term(Stribeck::try_new(level, velocity, exponent, Units::SI))
-    },
-    controller: built(
-        "Stribeck",
-        &[Argument::Units],
-        CTerm::level("$level * stribeck(v, $velocity_m_s, $exponent)"),
-    ),
-    ..BARE
+    ..library!(
+        Stribeck(level, velocity, exponent),
+        [Units],
+        CTerm::level("$level * stribeck(v, $velocity_m_s, $exponent)")
+    )
 };
 
 /// Stribeck's curve, following with `τ`.
@@ -172,23 +162,11 @@ pub static FRICTIONAL_LAG: Form = Form {
         ("time_constant_s", Positive),
     ],
     example: &[0.2, 5e-3, 1.0, 0.02],
-    library: |effect, sample_time| {
-        let [level, velocity, exponent, time] = effect.numbers();
-        term(FrictionalLag::try_new(
-            level,
-            velocity,
-            exponent,
-            time,
-            sample_time,
-            Units::SI,
-        ))
-    },
-    controller: built("FrictionalLag", &[Argument::SampleTime, Argument::Units], CTerm::level("@").remembers(Memory {
+    ..library!(FrictionalLag(level, velocity, exponent, time), [SampleTime, Units], CTerm::level("@").remembers(Memory {
             kind: "float",
             at_rest: "$level",
             next: "@ - expm1f(-SAMPLE_TIME_S / $time_constant_s) * ($level * stribeck(v, $velocity_m_s, $exponent) - @)",
-        })),
-    ..BARE
+        }))
 };
 
 /// `κ·(x − x0)`.
@@ -196,16 +174,11 @@ pub static POSITION_SPRING: Form = Form {
     id: "position_spring",
     keys: &[("stiffness_N_per_m", Any), ("centre_m", Any)],
     example: &[12.0, 1.0 / 3.0],
-    library: |effect, _| {
-        let [stiffness, centre] = effect.numbers();
-        term(PositionSpring::try_new(stiffness, centre, FAR, Units::SI))
-    },
-    controller: built(
-        "PositionSpring",
-        &[Argument::ForceLimit, Argument::Units],
-        CTerm::force("limited($stiffness_N_per_m * (x - $centre_m), FORCE_LIMIT)").placed(),
-    ),
-    ..BARE
+    ..library!(
+        PositionSpring(stiffness, centre),
+        [ForceLimit, Units],
+        CTerm::force("limited($stiffness_N_per_m * (x - $centre_m), FORCE_LIMIT)").placed()
+    )
 };
 
 /// `Σ c_j·cos(jπu)`, `u = (x − from)/(to − from)` in 0…1.
@@ -257,21 +230,11 @@ pub static LOCAL_FRICTION_SPOT: Form = Form {
     id: "local_friction_spot",
     keys: &[("level", LEVEL), ("position_m", Any), ("width_m", Positive)],
     example: &[0.5, 4e-3, 1e-3],
-    library: |effect, _| {
-        let [level, position, width] = effect.numbers();
-        term(LocalFrictionSpot::try_new(
-            level,
-            position,
-            width,
-            Units::SI,
-        ))
-    },
-    controller: built(
-        "LocalFrictionSpot",
-        &[Argument::Units],
-        CTerm::level("$level * spot((x - $position_m) / $width_m)").placed(),
-    ),
-    ..BARE
+    ..library!(
+        LocalFrictionSpot(level, position, width),
+        [Units],
+        CTerm::level("$level * spot((x - $position_m) / $width_m)").placed()
+    )
 };
 
 /// `A·cos(2πx/p + φ)`.
@@ -279,16 +242,11 @@ pub static PERIODIC_FORCE: Form = Form {
     id: "periodic_force",
     keys: &[("force_N", Any), ("period_m", Positive), ("phase_rad", Any)],
     example: &[0.05, 1.3e-3, 0.4],
-    library: |effect, _| {
-        let [force, period, phase] = effect.numbers();
-        term(PeriodicForce::try_new(force, period, phase, Units::SI))
-    },
-    controller: built(
-        "PeriodicForce",
-        &[Argument::Units],
-        CTerm::force("$force_N * wave(x, $period_m, $phase_rad)").placed(),
-    ),
-    ..BARE
+    ..library!(
+        PeriodicForce(force, period, phase),
+        [Units],
+        CTerm::force("$force_N * wave(x, $period_m, $phase_rad)").placed()
+    )
 };
 
 /// `m = 1 + a·cos(2πx/p + φ)`.
@@ -296,16 +254,11 @@ pub static PERIODIC_FRICTION: Form = Form {
     id: "periodic_friction",
     keys: &[("level", LEVEL), ("period_m", Positive), ("phase_rad", Any)],
     example: &[0.1, 2e-3, -1.0],
-    library: |effect, _| {
-        let [level, period, phase] = effect.numbers();
-        term(PeriodicFriction::try_new(level, period, phase, Units::SI))
-    },
-    controller: built(
-        "PeriodicFriction",
-        &[Argument::Units],
-        CTerm::level("$level * wave(x, $period_m, $phase_rad)").placed(),
-    ),
-    ..BARE
+    ..library!(
+        PeriodicFriction(level, period, phase),
+        [Units],
+        CTerm::level("$level * wave(x, $period_m, $phase_rad)").placed()
+    )
 };
 
 /// Measured `= x + e·cos(2πx/p + φ)`.
@@ -330,18 +283,13 @@ pub static GRAVITY: Form = Form {
     id: "gravity",
     keys: &[("force_N", Any), ("angle_rad", Any)],
     example: &[3.31, 0.2],
-    library: |effect, _| {
-        let [force, angle] = effect.numbers();
-        term(Gravity::try_new(force, angle, Units::SI))
-    },
-    controller: built(
-        "Gravity",
-        &[Argument::Units],
-        CTerm::force("$force_N * limited(sinf(x - $angle_rad), 1.0f)").placed(),
-    ),
     // The same code with other constants.
     cost: Some("periodic_force"),
-    ..BARE
+    ..library!(
+        Gravity(force, angle),
+        [Units],
+        CTerm::force("$force_N * limited(sinf(x - $angle_rad), 1.0f)").placed()
+    )
 };
 
 /// `A·sin(2πft + φ)`.
@@ -403,20 +351,15 @@ pub static THERMAL_DRIFT: Form = Form {
     id: "thermal_drift",
     keys: &[("level_per_K", Any), ("temperature_C", Any)],
     example: &[-0.02, 20.0],
-    library: |effect, _| {
-        let [level, temperature] = effect.numbers();
-        term(ThermalDrift::try_new(level, temperature, LARGEST_LEVEL))
-    },
-    controller: built(
-        "ThermalDrift",
-        &[Argument::LevelLimit],
-        CTerm::level("slope(temperature, $temperature_C, $level_per_K)"),
-    ),
     needs: Some((
         Column::Temperature,
         "thermal_drift with level and time_constant_s",
     )),
-    ..BARE
+    ..library!(
+        ThermalDrift(level, temperature),
+        [LevelLimit],
+        CTerm::level("slope(temperature, $temperature_C, $level_per_K)")
+    )
 };
 
 /// `m = 1 + a·exp(−t/τ)`: the other set of keys of `thermal_drift`.
@@ -424,13 +367,10 @@ pub static WARM_UP: Form = Form {
     id: "thermal_drift",
     keys: &[("level", LEVEL), ("time_constant_s", Positive)],
     example: &[0.2, 1.5],
-    library: |effect, sample_time| {
-        let [level, time] = effect.numbers();
-        term(WarmUp::try_new(level, time, sample_time))
-    },
-    controller: built(
-        "WarmUp",
-        &[Argument::SampleTime],
+    cost: Some("warm_up"),
+    ..library!(
+        WarmUp(level, time),
+        [SampleTime],
         CTerm::level("$level * expf(-(float)@ * (SAMPLE_TIME_S / $time_constant_s))").remembers(
             // Ticks: seconds in single precision stand still.
             Memory {
@@ -438,10 +378,8 @@ pub static WARM_UP: Form = Form {
                 at_rest: "0u",
                 next: "@ < UINT32_MAX ? @ + 1u : @",
             },
-        ),
-    ),
-    cost: Some("warm_up"),
-    ..BARE
+        )
+    )
 };
 
 /// `m = 1 + a·exp(−s/λ)`.
@@ -496,22 +434,12 @@ pub static LOAD_DEPENDENT_FRICTION: Form = Form {
     id: "load_dependent_friction",
     keys: &[("level_per_N", Any), ("load_N", Any)],
     example: &[0.01, 30.0],
-    library: |effect, _| {
-        let [level, load] = effect.numbers();
-        term(LoadDependentFriction::try_new(
-            level,
-            load,
-            LARGEST_LEVEL,
-            Units::SI,
-        ))
-    },
-    controller: built(
-        "LoadDependentFriction",
-        &[Argument::LevelLimit, Argument::Units],
-        CTerm::level("slope(load, $load_N, $level_per_N)"),
-    ),
     needs: Some((Column::Load, "a constant friction level")),
-    ..BARE
+    ..library!(
+        LoadDependentFriction(level, load),
+        [LevelLimit, Units],
+        CTerm::level("slope(load, $load_N, $level_per_N)")
+    )
 };
 
 /// `μ·abs(T)` in the direction of friction, `T` what a gear transmits: the other set of keys of `load_dependent_friction`.
