@@ -1,4 +1,4 @@
-//! The catalogue: effects of a card and columns, one a file; the waves are in one, and what is no more than a force of the velocity stands here.
+//! The catalogue: effects of a card and columns, one a file; the waves are in one, and what is no more than a force of the motion stands here.
 //! A new effect is a file of its own or a few lines here, and a line in [`ALL`].
 
 pub mod actuator_dead_zone;
@@ -23,7 +23,7 @@ pub mod grid;
 mod lack;
 pub mod load_dependent_friction;
 pub mod local_friction_spot;
-mod of_velocity;
+mod of_motion;
 pub mod periodic;
 pub mod position_force;
 pub mod position_friction;
@@ -46,7 +46,7 @@ use super::weak::Column;
 pub use card::{BARE, Card, Class, Line, Part, Scale};
 use formula::Stated;
 use lack::{both_directions, several_speeds};
-use of_velocity::{OF_VELOCITY, OfVelocity};
+use of_motion::{OF_VELOCITY, OfMotion};
 use preslide_fit::effects::{Effect as Entry, form};
 use preslide_fit::model::Model;
 use preslide_fit::statistics::Estimate;
@@ -85,7 +85,7 @@ pub static ALL: [&dyn Effect; 28] = [
 ];
 
 /// `d·|v|`: viscous friction is `d` more forwards than its mean, and `d` less backwards.
-pub static VISCOUS_ASYMMETRY: OfVelocity = OfVelocity {
+pub static VISCOUS_ASYMMETRY: OfMotion = OfMotion {
     card: Card {
         id: form::VISCOUS_ASYMMETRY.id,
         name: "viscous friction that differs by direction",
@@ -98,11 +98,11 @@ pub static VISCOUS_ASYMMETRY: OfVelocity = OfVelocity {
         }),
         ..OF_VELOCITY
     },
-    force: f64::abs,
+    force: |s, i| s.v[i].abs(),
 };
 
 /// `c·v·|v|`.
-pub static QUADRATIC_DRAG: OfVelocity = OfVelocity {
+pub static QUADRATIC_DRAG: OfMotion = OfMotion {
     card: Card {
         id: form::QUADRATIC_DRAG.id,
         name: "quadratic drag",
@@ -116,7 +116,7 @@ pub static QUADRATIC_DRAG: OfVelocity = OfVelocity {
         }),
         ..OF_VELOCITY
     },
-    force: |v| v * v.abs(),
+    force: |s, i| s.v[i] * s.v[i].abs(),
 };
 
 /// What every recording may have to a small extent: it stands in every hypothesis, and is named where it is more.

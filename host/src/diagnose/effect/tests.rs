@@ -164,9 +164,7 @@ fn columns_cover_the_samples_and_are_finite() {
 
 #[test]
 fn what_has_a_sign_is_refused_the_other() {
-    let refused: [(&str, &[f64]); 15] = [
-        ("viscous", &[-1.0]),
-        ("quadratic_drag", &[-1.0]),
+    let refused: [(&str, &[f64]); 13] = [
         ("dwell_aging", &[-0.1]),
         ("drive_compliance", &[-1e-6]),
         ("position_spring", &[0.0]),
@@ -184,6 +182,9 @@ fn what_has_a_sign_is_refused_the_other() {
     for (id, coefficients) in refused {
         let effect = by_id(id).unwrap();
         assert!(!effect.admits(&[], coefficients), "{id} {coefficients:?}");
+    }
+    for effect in ALL.iter().filter(|e| e.card().bound == Bound::NonNegative) {
+        assert!(!effect.admits(&[], &[-1.0]), "{}", effect.id());
     }
     let load = by_id("load_dependent_friction").unwrap();
     assert!(!load.admits(&[1.0], &[-0.1]) && load.admits(&[], &[-0.1]));
