@@ -125,7 +125,8 @@ impl Row {
     }
 }
 
-/// The table of effects. A number is that of an effect's stream of draws: a new one takes the next, so that the trials of the others stay.
+/// The table of effects. A number is that of an effect's stream of draws: a new one of the catalogue stands last in it with the next, 35, so that the
+/// draws of the others stay.
 macro_rules! effects {
     (
         catalogue { $($inside:ident $(= $own:literal)?: $inside_row:expr;)* }
