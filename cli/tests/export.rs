@@ -3,6 +3,7 @@
 //! `exported/*.rs` are written by `preslide export`; run with `BLESS=1` to write them anew after a change.
 
 use preslide::{Friction, Motion, Scalar, Units};
+use preslide_fit::effects::{Effect, form};
 use preslide_fit::friction::Path as MotionPath;
 use preslide_fit::model::{Measured, Model};
 use std::path::{Path, PathBuf};
@@ -70,8 +71,27 @@ pub fn assert_kept(golden: &Path, source: &str) {
     );
 }
 
+/// The model whose source is compiled here has every effect that a controller can use; with `BLESS=1` it is given what it lacks.
+fn keep_every_effect() {
+    let path = file("linear.toml");
+    let mut model = Model::load(&path).expect("valid");
+    // Gravity is a rotary axis's.
+    let elsewhere = [&form::CONSTANT_FORCE, &form::GRAVITY];
+    let of_controllers = form::ALL.into_iter().filter(|f| f.controller.is_ok());
+    for form in of_controllers.filter(|form| !elsewhere.contains(form)) {
+        if !model.effects.iter().any(|effect| effect.is(form)) {
+            model.effects.push(Effect::of(form, form.example));
+        }
+    }
+    assert_kept(
+        &path,
+        &model.to_toml(&["identified from a test".to_owned()]),
+    );
+}
+
 #[test]
 fn the_source_that_is_compiled_here_is_what_export_writes() {
+    keep_every_effect();
     let folder = tempfile::tempdir().expect("temporary folder");
     for (model, name, more) in [
         ("linear", "linear", &[][..]),

@@ -1,7 +1,8 @@
 //! The library's terms at work, chosen at run time.
 
-use preslide::ParamError;
-use preslide::effects::{self, Situation};
+use super::Effect;
+use preslide::effects::{self, EncoderError, Situation};
+use preslide::{ParamError, Units};
 
 /// An effect at work: change of the friction level (-) and force (N or N·m) of a tick.
 pub trait Tick: FnMut(&Situation<f64>) -> (f64, f64) + Send {
@@ -31,4 +32,13 @@ where
     Ok(Some(Box::new(move |at: &Situation<f64>| {
         (effect.level(&mut state, at), effect.force(&mut state, at))
     })))
+}
+
+/// The library's correction of an encoder that reads with an error.
+///
+/// # Errors
+/// Which parameter the library refuses.
+pub(crate) fn encoder(effect: &Effect) -> Result<EncoderError<f64>, ParamError> {
+    let [error, period, phase] = effect.numbers();
+    EncoderError::try_new(error, period, phase, Units::SI)
 }

@@ -16,7 +16,8 @@
 use super::Model;
 use super::running::Running;
 use crate::effects::Effect;
-use crate::effects::form::{self, Column, Form, drive};
+use crate::effects::form::{self, Column, Form};
+use crate::effects::term;
 use crate::friction::{Path, Transmission};
 use preslide::effects::{Effect as _, EncoderError, Situation};
 use std::f64::consts::TAU;
@@ -266,8 +267,7 @@ impl Encoder {
     /// Those of a model.
     pub(super) fn of(model: &Model) -> Result<Vec<Self>, String> {
         let encoder = |effect: &Effect| {
-            let own =
-                drive::correction(effect).map_err(|e| format!("effect {}: {e}", effect.id()))?;
+            let own = term::encoder(effect).map_err(|e| format!("effect {}: {e}", effect.id()))?;
             let wave = [
                 TAU / effect.get("period_m"),
                 effect.get("error_m"),

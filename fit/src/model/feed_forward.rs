@@ -3,8 +3,8 @@
 
 use super::running::Running;
 use super::{Model, refused};
-use crate::effects::form::{self, drive};
 use crate::effects::term::{FAR, Term};
+use crate::effects::{form, term};
 use crate::friction::Visitor;
 use crate::kernel::Kernel;
 use preslide::ParamError;
@@ -35,7 +35,7 @@ impl Clone for Term {
 impl Chosen {
     fn try_new(model: &Model, sample_time: f64) -> Result<Self, String> {
         let encoders = model.of(&form::ENCODER_ERROR).map(|effect| {
-            drive::correction(effect).map_err(|e| format!("effect {}: {e}", effect.id()))
+            term::encoder(effect).map_err(|e| format!("effect {}: {e}", effect.id()))
         });
         Ok(Self {
             running: Running::of(model, sample_time)?,

@@ -34,7 +34,7 @@ impl Running {
             let id = effect.id();
             let term = effect.term(sample_time);
             let term = term.map_err(|e| format!("effect {id}: {e}"))?;
-            let of_speed = form::OF_SPEED.contains(&effect.form);
+            let of_speed = effect.form.of_speed;
             terms.extend(term.map(|term| (term, of_speed)));
         }
         let gear = model.of(&form::TRANSMITTED_FRICTION).next();

@@ -7,7 +7,7 @@ mod present;
 pub mod ramp;
 mod starts;
 
-use crate::effects::{Effect, form};
+use crate::effects::Effect;
 use crate::friction::FrictionModel;
 use crate::model::{Measured, Model};
 use crate::recording::{MotionKind, Recording};
@@ -223,7 +223,7 @@ pub fn motion_of_force(
     force: &[f64],
     sample_time: f64,
 ) -> Result<Simulation, String> {
-    let at_rest = |effect: &&Effect| !form::OF_SPEED.contains(&effect.form);
+    let at_rest = |effect: &&Effect| !effect.form.of_speed;
     let effects: Vec<&str> = model
         .effects
         .iter()

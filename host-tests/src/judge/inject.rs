@@ -7,44 +7,15 @@ use super::motion::{Extent, Motion};
 use super::oracle::{Base, Verdict, deviation};
 use super::table::{Recording, Table};
 use crate::trials::draw::Draw;
+use crate::trials::effect::{Change, INJECTED, Injected, On, Shows};
 
-/// What can be added: every effect that a force of the motion, or a change of one column, can make.
-pub const EFFECTS: [&str; 15] = [
-    "constant_force",
-    "viscous",
-    "stribeck",
-    "coulomb_asymmetry",
-    "position_spring",
-    "position_friction",
-    "local_friction_spot",
-    "periodic_force",
-    "periodic_friction",
-    "encoder_error",
-    "channel_delay",
-    "external_vibration",
-    "quadratic_drag",
-    "position_force",
-    "gravity",
-];
-
-/// Periods in the travel of a force, of friction, of an encoder.
-const WAVES: [f64; 3] = [12.0, 7.0, 40.0];
-/// Widths (1/e) of a spot of friction, of a bump of force, in the travel.
-const SPOTS: [f64; 2] = [15.0, 5.0];
 /// Shakes, unless the recording is too slow for it (Hz).
 const SHAKES_HZ: f64 = 11.3;
 /// An encoder's error is felt through the mass: it must make this share of the effort.
 const LEAST_INERTIA: f64 = 0.1;
 
-/// What raises the friction in one place or direction and lowers it by as much in another: friction does not push.
-const BOTH_WAYS: [&str; 3] = [
-    "position_friction",
-    "periodic_friction",
-    "coulomb_asymmetry",
-];
-
 /// A recording with an effect in it.
-pub struct Injected {
+pub struct Injection {
     /// What the tool gets.
     pub recording: Recording,
     /// What is in it.
@@ -60,7 +31,8 @@ struct Shape {
 }
 
 /// Adds `id` at an RMS of `percent` of the effort's deviation; `None` where this recording cannot carry it.
-pub fn inject(recording: &Recording, id: &'static str, percent: f64) -> Option<Injected> {
+pub fn inject(recording: &Recording, id: &'static str, percent: f64) -> Option<Injection> {
+    let effect = INJECTED.iter().find(|effect| effect.id == id)?;
     let motions: Vec<Motion> = recording.parts.iter().map(Motion::of).collect();
     let extent = Extent::of(&motions);
     let seed = recording.name.bytes().chain(id.bytes());
@@ -83,20 +55,20 @@ pub fn inject(recording: &Recording, id: &'static str, percent: f64) -> Option<I
         return None;
     }
     let mut changed = recording.clone();
-    let added: Vec<Vec<f64>> = match id {
-        "channel_delay" => delayed(&mut changed, size),
-        "encoder_error" => misread(&mut changed, &motions, &extent, &shape, size)?,
-        _ => {
+    let added: Vec<Vec<f64>> = match effect.change {
+        Change::Delay => delayed(&mut changed, size),
+        Change::Misreading(waves) => {
+            misread(&mut changed, &motions, &extent, (waves, shape.phase), size)?
+        }
+        Change::Force(force) => {
             let forces: Vec<Vec<f64>> = recording
                 .parts
                 .iter()
                 .zip(&motions)
-                .map(|(part, motion)| force(id, part, motion, &extent, &shape))
+                .map(|(part, motion)| forces_of(force, part, motion, &extent, &shape))
                 .collect();
             let scale = size / rms(forces.iter().flatten().copied());
-            if BOTH_WAYS.contains(&id)
-                && scale > Base::new(&recording.parts, &motions, "").friction()
-            {
+            if effect.both_ways && scale > Base::new(&recording.parts, &motions, "").friction() {
                 return None;
             }
             let added: Vec<Vec<f64>> = forces
@@ -110,8 +82,8 @@ pub fn inject(recording: &Recording, id: &'static str, percent: f64) -> Option<I
     let moved: Vec<Motion> = changed.parts.iter().map(Motion::of).collect();
     let oracle = Base::new(&changed.parts, &moved, id).asks(&changed.parts, &moved, &added);
     changed.name = format!("{} + {percent} % {id}", recording.name);
-    Some(Injected {
-        truth: truth(id, first, &extent, &shape),
+    Some(Injection {
+        truth: truth(effect, first, &extent, &shape),
         recording: changed,
         oracle,
     })
@@ -126,31 +98,27 @@ fn rms(y: impl Iterator<Item = f64>) -> f64 {
     (sum / f64::from(n.max(1))).sqrt().max(f64::MIN_POSITIVE)
 }
 
-/// The force of an effect along a table, in any scale. Friction's level is taken to be the same everywhere.
-fn force(id: &str, part: &Table, motion: &Motion, extent: &Extent, shape: &Shape) -> Vec<f64> {
+/// A force along a table.
+fn forces_of(
+    force: fn(&On) -> f64,
+    part: &Table,
+    motion: &Motion,
+    extent: &Extent,
+    shape: &Shape,
+) -> Vec<f64> {
     let friction = motion.stop(extent.yielding());
-    let shakes = TAU * frequency(part);
-    let at = |i: usize| -> f64 {
-        let (x, v, z) = (motion.x[i], motion.v[i], friction[i]);
-        let along = (x - extent.low) / extent.travel;
-        let bump = |widths: f64| (-(widths * (along - shape.place)).powi(2)).exp();
-        match id {
-            "constant_force" => 1.0,
-            "viscous" => v,
-            "quadratic_drag" => v * v.abs(),
-            "stribeck" => z * (-v.abs() / (0.1 * extent.top)).exp(),
-            // Higher one way, lower the other: the same sign for both.
-            "coulomb_asymmetry" => z.abs(),
-            "position_spring" => along - shape.place,
-            "gravity" => (x - shape.phase).sin(),
-            "position_force" => bump(SPOTS[1]),
-            "position_friction" => z * (2.0 * along - 1.0),
-            "local_friction_spot" => z * bump(SPOTS[0]),
-            "periodic_force" => (TAU * WAVES[0] * along + shape.phase).cos(),
-            "periodic_friction" => z * (TAU * WAVES[1] * along + shape.phase).cos(),
-            "external_vibration" => (shakes * motion.t[i] + shape.phase).sin(),
-            _ => unreachable!("{id} is no force"),
-        }
+    let at = |i: usize| {
+        force(&On {
+            t: motion.t[i],
+            x: motion.x[i],
+            v: motion.v[i],
+            friction: friction[i],
+            along: (motion.x[i] - extent.low) / extent.travel,
+            top: extent.top,
+            place: shape.place,
+            phase: shape.phase,
+            shake: frequency(part),
+        })
     };
     (0..motion.x.len()).map(at).collect()
 }
@@ -215,19 +183,19 @@ fn misread(
     recording: &mut Recording,
     motions: &[Motion],
     extent: &Extent,
-    shape: &Shape,
+    (waves, phase): (f64, f64),
     size: f64,
 ) -> Option<Vec<Vec<f64>>> {
     let (inertia, share) = Base::new(&recording.parts, motions, "").inertia();
     if share < LEAST_INERTIA {
         return None;
     }
-    let k = TAU * WAVES[2] / extent.travel;
+    let k = TAU * waves / extent.travel;
     let misread = |part: &Table, error: f64| -> (Vec<f64>, Vec<f64>) {
         let x = &part.columns[part.position()];
         let read: Vec<f64> = x
             .iter()
-            .map(|x| x + error * (k * x + shape.phase).cos())
+            .map(|x| x + error * (k * x + phase).cos())
             .collect();
         let (before, after) = (
             Motion::of(part),
@@ -263,32 +231,32 @@ fn misread(
 }
 
 /// Name, the parameters by which it is known to be this one, and its place.
-fn truth(id: &'static str, part: &Table, extent: &Extent, shape: &Shape) -> Truth {
-    let period = |waves: f64| Check::relative("period", extent.travel / waves, 0.05);
+fn truth(effect: &Injected, part: &Table, extent: &Extent, shape: &Shape) -> Truth {
     let centre = extent.low + shape.place * extent.travel;
     let around = |widths: f64| {
         let reach = 1.5 * extent.travel / widths;
-        Place::new("position", centre - reach, centre + reach)
+        Some(Place::new("position", centre - reach, centre + reach))
     };
-    let (checks, place) = match id {
-        "periodic_force" => (vec![period(WAVES[0])], None),
-        "periodic_friction" => (vec![period(WAVES[1])], None),
-        "encoder_error" => (vec![period(WAVES[2])], None),
-        "external_vibration" => (
-            vec![Check::relative("frequency", frequency(part), 0.05)],
-            None,
-        ),
-        "local_friction_spot" => {
-            let near = Check::within("position", centre, extent.travel / SPOTS[0]);
-            (vec![near], Some(around(SPOTS[0])))
+    let (check, place) = match effect.shows {
+        Shows::Name => (None, None),
+        Shows::Periods(waves) => {
+            let period = Check::relative("period", extent.travel / waves, 0.05);
+            (Some(period), None)
         }
-        "position_force" => (vec![], Some(around(SPOTS[1]))),
-        "stribeck" => (vec![], Some(Place::new("velocity", 0.0, 0.2 * extent.top))),
-        _ => (vec![], None),
+        Shows::Frequency => {
+            let frequency = Check::relative("frequency", frequency(part), 0.05);
+            (Some(frequency), None)
+        }
+        Shows::Bump(widths) => (None, around(widths)),
+        Shows::Spot(widths) => {
+            let near = Check::within("position", centre, extent.travel / widths);
+            (Some(near), around(widths))
+        }
+        Shows::Slow => (None, Some(Place::new("velocity", 0.0, 0.2 * extent.top))),
     };
     Truth {
-        checks,
+        checks: check.into_iter().collect(),
         place,
-        ..Truth::named(id)
+        ..Truth::named(effect.id)
     }
 }

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use super::draw::Draw;
-use super::effect::{Effect, Id};
+use super::effect::{Acting, Effect, Id, Present};
 use super::law::Hysteresis;
 
 /// Temperature (°C) and preload (N) at which the friction level is the nominal one.
@@ -25,14 +25,6 @@ pub struct Now {
     pub temperature: f64,
     /// Preload (N).
     pub load: f64,
-}
-
-/// What the effects of an instant make of the hysteresis: its level (-), that level's difference between the two directions
-/// (-), and the force (N) beside it.
-struct Acting {
-    level: f64,
-    tilt: f64,
-    added: f64,
 }
 
 /// Resistance to motion with everything that it remembers.
@@ -89,10 +81,17 @@ impl<'a> Friction<'a> {
     pub fn step(&mut self, dt: f64, now: &Now, variability: f64) -> f64 {
         let dx = now.x - self.x;
         self.remember(dx, now);
-        let mut acting = Acting {
-            level: 1.0,
-            tilt: 0.0,
-            added: 0.0,
+        let mut acting = Acting::NONE;
+        let present = Present {
+            t: now.t,
+            x: now.x,
+            v: now.v,
+            warmer: now.temperature - TEMPERATURE_C,
+            loaded: now.load - LOAD_N,
+            half_travel: self.half_travel,
+            bursts: self.bursts,
+            here: 1.0,
+            corner: None,
         };
         let mut crept = 0.0;
         for effect in self.effects {
@@ -100,7 +99,7 @@ impl<'a> Friction<'a> {
             if effect.id == Id::Creep {
                 crept += dt * p0 * (self.hysteretic / (p1 * self.breakaway)).sinh();
             } else {
-                self.add_of_present(effect, now, &mut acting);
+                effect.act(&present, &mut acting);
                 self.add_of_past(effect, dt, dx, now, &mut acting);
             }
         }
@@ -113,55 +112,6 @@ impl<'a> Friction<'a> {
         );
         self.hysteretic = self.law.step(dx - crept, now.v, up, down);
         self.hysteretic + acting.added
-    }
-
-    /// The effects that are a function of position, velocity, time, temperature and load as they are now.
-    fn add_of_present(&self, effect: &Effect, now: &Now, acting: &mut Acting) {
-        let Acting { level, tilt, added } = acting;
-        let [p0, p1, p2, p3] = effect.values;
-        let here = effect.presence(now.x);
-        let xi = now.x / self.half_travel;
-        let bend = 1.5 * xi * xi - 0.5;
-        let speed = now.v.abs();
-        let bell = |away: f64| (-away * away).exp();
-        match effect.id {
-            Id::ConstantForce => *added += p0,
-            Id::CoulombAsymmetry => *tilt += here * p0,
-            Id::Viscous => *added += here * p0 * now.v,
-            Id::QuadraticDrag => *added += p0 * now.v * speed,
-            Id::Stribeck => *level += here * p0 * (-(speed / p1).powf(p2)).exp(),
-            Id::PositionSpring => {
-                // In a corner the spring begins at the edge, as an end stop or a cable guide does.
-                *added += match effect.corner {
-                    None => p0 * (now.x - p1),
-                    Some(edge) => 4.0 * p0 * here * (now.x - edge),
-                }
-            }
-            Id::PositionForce => *added += p0 * bend + p1 * bell((now.x - p2) / p3),
-            Id::PositionFriction => *level += p0 * xi + p1 * bend,
-            Id::LocalFrictionSpot => *level += p0 * bell((now.x - p1) / p2),
-            Id::PeriodicForce => *added += here * p0 * (TAU * now.x / p1 + p2).cos(),
-            Id::PeriodicFriction => *level += here * p0 * (TAU * now.x / p1 + p2).cos(),
-            Id::LoadDependentFriction => *level += p0 * (now.load - LOAD_N),
-            Id::ThermalDrift => *level += p0 * (now.temperature - TEMPERATURE_C),
-            Id::ExternalVibration => *added += p0 * (TAU * p1 * now.t + p2).sin(),
-            Id::RandomBursts => {
-                let since = self.bursts.iter().map(|start| now.t - start);
-                for since in since.filter(|s| (0.0..8.0 * p2).contains(s)) {
-                    *added += p0 * (-since / p2).exp() * (TAU * p1 * since).sin();
-                }
-            }
-            Id::SpeedDetent => *added += p0 * speed / (p3 + speed) * (TAU * now.x / p1 + p2).cos(),
-            // The clock's switch takes 0.1 s, as a valve does.
-            Id::TimeOfDay => *level += p0 * ((TAU * now.t / p1).sin() * p1 / 0.6).tanh(),
-            Id::SpeedBand => *level += p0 * bell((speed - p1) / p2),
-            Id::DriftingShake => {
-                let turns = (p1 + 0.5 * p2 * now.t) * now.t;
-                *added += p0 * (TAU * turns + p3).sin();
-            }
-            // Those of the past; and those that act between command, motor and encoder, or are errors of the model file.
-            _ => {}
-        }
     }
 
     /// The effects that depend on how the body came here.

@@ -9,6 +9,9 @@ use preslide::effects::{
     Situation, Stribeck, ThermalDrift, Viscous, ViscousAsymmetry, WarmUp,
 };
 use preslide_host_tests::deviation::Deviation;
+use preslide_host_tests::trials;
+use preslide_host_tests::trials::draw::Draw;
+use preslide_host_tests::trials::effect::{Acting, CATALOGUE, Present};
 use std::f64::consts::{PI, TAU};
 
 /// What an effect acts on.
@@ -70,7 +73,6 @@ fn all<S: Scalar>(u: Units) -> Vec<(&'static str, Deviation, f64)> {
             .map(|(j, c)| c * (f64::from(j) * PI * place).cos())
             .sum()
     };
-    let sign = |f: f64| if f == 0.0 { 0.0 } else { f.signum() };
     let mut lag = None;
     let lagging = move |t: &Tick| {
         let now = 0.3 * exp(t.v, 4e-3, 2.0);
@@ -172,6 +174,66 @@ fn every_effect_agrees_with_its_formula() {
         );
         found.assert_within(&what, max * scale, rms * scale, bias * scale);
     }
+}
+
+/// The terms of model files and what the simulated stages are given, with parameters as these are drawn: every effect whose keys are the same.
+#[test]
+fn every_term_is_what_the_simulated_stages_have() {
+    const HALF_TRAVEL: f64 = 0.3e-3;
+    let mut compared = Vec::new();
+    for id in CATALOGUE {
+        let own = trials::effect::Effect::draw(id, 1.0, HALF_TRAVEL, 0.9, &mut Draw::new(8, 0));
+        let values: Vec<_> = own.parameters().collect();
+        let Ok(effect) = preslide_fit::effects::Effect::new(id.name(), &values) else {
+            continue;
+        };
+        let Some(mut term) = (effect.form.library)(&effect, SAMPLE_TIME).expect("valid") else {
+            continue;
+        };
+        let (mut largest, mut apart, mut acts) = (0.0_f64, 0.0_f64, false);
+        for tick in ticks() {
+            let mut sum = Acting::NONE;
+            own.act(
+                &Present {
+                    t: tick.t,
+                    x: tick.x,
+                    v: tick.v,
+                    warmer: 0.0,
+                    loaded: 0.0,
+                    half_travel: HALF_TRAVEL,
+                    bursts: &[],
+                    here: 1.0,
+                    corner: None,
+                },
+                &mut sum,
+            );
+            let wanted = [sum.level - 1.0 + sum.tilt * sign(tick.friction), sum.added];
+            let (level, force) = term(&Situation {
+                position: tick.x,
+                located: true,
+                velocity: tick.v,
+                friction: tick.friction,
+                temperature: None,
+                load: None,
+            });
+            for (found, wanted) in [level, force].into_iter().zip(wanted) {
+                largest = largest.max(wanted.abs());
+                apart = apart.max((found - wanted).abs());
+                acts |= wanted != 0.0;
+            }
+        }
+        // What remembers does not act here.
+        if acts {
+            eprintln!("{}: {:.1e} of the amplitude", id.name(), apart / largest);
+            assert!(apart < 3e-3 * largest, "{}: {apart:e}", id.name());
+            compared.push(id);
+        }
+    }
+    assert!(compared.len() >= 9, "{compared:?}");
+}
+
+fn sign(f: f64) -> f64 {
+    if f == 0.0 { 0.0 } else { f.signum() }
 }
 
 /// Over two turns each way, in rad and in the 8192 counts per turn of a small encoder.

@@ -142,10 +142,7 @@ mod tests {
         let all = form::ALL.into_iter().chain([&form::VISCOUS]);
         let of_controllers = all.filter(|form| form.controller.is_ok());
         let effects: Vec<Effect> = of_controllers
-            .map(|form| match form.is_map() {
-                true => map(form.id, 3),
-                false => Effect::of(form, &[0.1; 5]),
-            })
+            .map(|form| Effect::of(form, form.example))
             .collect();
         for arithmetic in ["f32", "i16f16"] {
             let all = table.effects(&effects, arithmetic);

@@ -1,12 +1,11 @@
 //! The fit that every command reports, beside a diagnosis: what `identify` prints of the same recording.
 
 use super::effect::{
-    Effect, VIBRATION,
+    Effect, VIBRATION, VISCOUS_ASYMMETRY,
     constant_force::ConstantForce,
     gravity::Gravity,
     position_spring::{ASIDE, PositionSpring},
     viscous::Viscous,
-    viscous_asymmetry::ViscousAsymmetry,
 };
 use super::term::{Subject, Term};
 use preslide_fit::effects::form;
@@ -91,7 +90,7 @@ impl Fit {
             has(&Viscous, &[]);
         }
         if plain.by_direction {
-            has(&ViscousAsymmetry, &[]);
+            has(&VISCOUS_ASYMMETRY, &[]);
         }
         match plain.place {
             // Its free centre, wherever that is, holds the constant force.

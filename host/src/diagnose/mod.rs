@@ -22,6 +22,7 @@ pub mod effect;
 mod event;
 mod exogenous;
 pub mod experiment;
+pub mod expr;
 mod extend;
 pub mod fit;
 pub mod given;

@@ -325,7 +325,11 @@ fn no_viscous_force_drives_the_axis_but_a_users_own_model_keeps_its_sign() {
     // Friction that falls with speed looks like it.
     let recording = made(|_, _, v| 1.5 * v.signum() * (-v.abs() / 0.03).exp());
     let null = null(&recording);
-    for term in [by_id("viscous"), by_id("quadratic_drag")] {
+    let forces = effect::ALL.iter().filter(|e| {
+        let is_bound = e.card().bound == normal::Bound::NonNegative;
+        is_bound && e.axis() == Axis::Velocity
+    });
+    for term in forces.map(|e| by_id(e.id())) {
         let bound = null.fit(std::slice::from_ref(&term)).expect("a fit");
         assert_eq!(bound.coefficients(0), [0.0]);
         let own = Term {

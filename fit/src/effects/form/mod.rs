@@ -1,28 +1,14 @@
 //! What an effect is beside the diagnosis: its keys in a model file, its term in the library, its constructor in exported source
-//! or why no controller can use it, and its row among the measured costs. To add one, name it in [`ALL`].
+//! or why no controller can use it, and its row among the measured costs. To add one, enter it in [the catalogue](catalogue).
 
 mod c_term;
-pub(crate) mod drive;
-mod force;
-mod level;
+pub mod catalogue;
 
 pub use c_term::{CTerm, Memory, Sum};
-pub use drive::{
-    ACTUATOR_DEAD_ZONE, ACTUATOR_SATURATION, BACKLASH, CHANNEL_DELAY, CREEP, DRIVE_COMPLIANCE,
-    ENCODER_ERROR, TORQUE_RIPPLE,
-};
-pub use force::{
-    CONSTANT_FORCE, EXTERNAL_VIBRATION, GRAVITY, PERIODIC_FORCE, POSITION_FORCE, POSITION_SPRING,
-    QUADRATIC_DRAG, VISCOUS, VISCOUS_ASYMMETRY,
-};
-pub use level::{
-    COULOMB_ASYMMETRY, DWELL_AGING, FRICTIONAL_LAG, LOAD_DEPENDENT_FRICTION, LOCAL_FRICTION_SPOT,
-    PERIODIC_FRICTION, POSITION_FRICTION, RUN_IN, STRIBECK, THERMAL_DRIFT, TRANSMITTED_FRICTION,
-    WARM_UP,
-};
+pub use catalogue::*;
 
 use super::Effect;
-use super::term::{FAR, Term, term};
+use super::term::Term;
 use preslide::ParamError;
 
 /// An effect as a model file, the library and exported source have it. Compared by identity.
@@ -31,10 +17,14 @@ pub struct Form {
     pub id: &'static str,
     /// Its keys, SI and those of a linear axis, with what they may be.
     pub(super) keys: Keys,
+    /// Values of its keys that a small stage may have, in their order, those of a map's cosines last: what a list of every effect is made of.
+    pub example: &'static [f64],
     /// The library's term for samples so far apart (s); `None` where it is neither a level nor a force.
     pub library: fn(&Effect, f64) -> Result<Option<Term>, ParamError>,
     /// What builds it in a controller, or why no controller can use it.
     pub controller: Result<Constructor, &'static str>,
+    /// It acts by speed alone: on the motor's side of a gear, and not at rest.
+    pub(crate) of_speed: bool,
     /// Its row among the measured costs of a tick, where that has not its id.
     cost: Option<&'static str>,
     /// What must be measured beside the motion, and what to put in the model in its place.
@@ -45,8 +35,10 @@ pub struct Form {
 const BARE: Form = Form {
     id: "",
     keys: &[],
+    example: &[],
     library: |_, _| Ok(None),
     controller: Err("no constructor is known"),
+    of_speed: false,
     cost: None,
     needs: None,
 };
@@ -63,41 +55,6 @@ impl Form {
     }
 }
 
-/// The forms of the ids of a model file, in the order of [the table](super). Two of an id are two sets of keys.
-pub static ALL: [&Form; 28] = [
-    &CONSTANT_FORCE,
-    &COULOMB_ASYMMETRY,
-    &VISCOUS_ASYMMETRY,
-    &QUADRATIC_DRAG,
-    &STRIBECK,
-    &FRICTIONAL_LAG,
-    &POSITION_SPRING,
-    &POSITION_FORCE,
-    &POSITION_FRICTION,
-    &LOCAL_FRICTION_SPOT,
-    &PERIODIC_FORCE,
-    &PERIODIC_FRICTION,
-    &ENCODER_ERROR,
-    &GRAVITY,
-    &EXTERNAL_VIBRATION,
-    &CHANNEL_DELAY,
-    &DRIVE_COMPLIANCE,
-    &BACKLASH,
-    &THERMAL_DRIFT,
-    &WARM_UP,
-    &RUN_IN,
-    &DWELL_AGING,
-    &LOAD_DEPENDENT_FRICTION,
-    &TRANSMITTED_FRICTION,
-    &TORQUE_RIPPLE,
-    &ACTUATOR_DEAD_ZONE,
-    &ACTUATOR_SATURATION,
-    &CREEP,
-];
-
-/// What acts by speed alone: on the motor's side of a gear, and not at rest.
-pub(crate) static OF_SPEED: [&Form; 2] = [&QUADRATIC_DRAG, &VISCOUS_ASYMMETRY];
-
 /// Keys with what they may be; `cosine*` stands for `cosine1`, `cosine2`, … with what follows it.
 pub(super) type Keys = &'static [(&'static str, Range)];
 
@@ -111,9 +68,6 @@ pub(super) enum Range {
     Within(f64),
     Between(f64, f64),
 }
-
-/// A change of the friction level.
-const LEVEL: Range = Range::Within(preslide::effects::LARGEST_LEVEL);
 
 /// What is measured beside the motion.
 #[derive(Clone, Copy, PartialEq)]

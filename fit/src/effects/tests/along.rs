@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 fn gravity_holds_an_arm_by_the_sine_of_its_angle_and_no_linear_axis() {
     let arm = Model {
         motion: MotionKind::Rotary,
-        ..model(vec![gravity()])
+        ..model(vec![example(&form::GRAVITY)])
     };
     let position: Vec<f64> = (0..400).map(|i| f64::from(i) * 0.05 - 9.0).collect();
     let rest = vec![0.0; position.len()];
@@ -47,53 +47,70 @@ fn effects_along_a_recording_are_their_formulas() {
             .map(|(j, c)| c * (f64::from(j) * PI * u).cos())
             .sum()
     };
-    let every = every();
-    let pick = |n: usize| along(vec![every[n].clone()], coulomb.clone());
-    let near = |n: usize, tolerance: f64, wanted: &dyn Fn(usize) -> f64| {
-        let off = difference(&pick(n), 0, |i| wanted(i) + rest(i));
-        eprintln!("{}: {off:.1e} N", every[n].id());
-        assert!(off < tolerance, "{}: {off:e}", every[n].id());
+    let pick = |form| along(vec![example(form)], coulomb.clone());
+    let near = |form: &'static Form, tolerance: f64, wanted: &dyn Fn(usize) -> f64| {
+        let off = difference(&pick(form), 0, |i| wanted(i) + rest(i));
+        eprintln!("{form:?}: {off:.1e} N");
+        assert!(off < tolerance, "{form:?}: {off:e}");
     };
     let plain = difference(&along(vec![], coulomb.clone()), 0, |i| {
         friction(i) + rest(i)
     });
     assert!(plain < 1e-12, "{plain:e}");
-    near(0, 1e-12, &|i| friction(i) * (1.0 + 0.1 * v[i].signum()));
-    near(1, 1e-12, &|i| friction(i) + 40.0 * v[i] * v[i].abs());
-    near(every.len() - 2, 1e-12, &|i| friction(i) + 6.0 * v[i].abs());
-    near(every.len() - 3, 1e-12, &|i| {
+    near(&form::COULOMB_ASYMMETRY, 1e-12, &|i| {
+        friction(i) * (1.0 + 0.1 * v[i].signum())
+    });
+    near(&form::QUADRATIC_DRAG, 1e-12, &|i| {
+        friction(i) + 40.0 * v[i] * v[i].abs()
+    });
+    near(&form::VISCOUS_ASYMMETRY, 1e-12, &|i| {
+        friction(i) + 6.0 * v[i].abs()
+    });
+    near(&form::TRANSMITTED_FRICTION, 1e-12, &|i| {
         friction(i) * (1.0 + 0.3 * (1.6 * a[i] + 0.05).abs() / 0.8)
     });
-    near(2, 3e-4, &|i| friction(i) * (1.0 + 0.3 * exp(i, 2.0)));
-    near(4, 1e-12, &|i| friction(i) + 12.0 * (x[i] - 1.0 / 3.0));
-    near(5, 1e-6, &|i| friction(i) + map(i, &[0.1, 0.0, -0.05]));
-    near(6, 1e-6, &|i| friction(i) * (1.0 + map(i, &[0.1, 0.05])));
-    near(7, 4e-4, &|i| {
+    near(&form::STRIBECK, 3e-4, &|i| {
+        friction(i) * (1.0 + 0.3 * exp(i, 2.0))
+    });
+    near(&form::POSITION_SPRING, 1e-12, &|i| {
+        friction(i) + 12.0 * (x[i] - 1.0 / 3.0)
+    });
+    near(&form::POSITION_FORCE, 1e-6, &|i| {
+        friction(i) + map(i, &[0.1, 0.0, -0.05])
+    });
+    near(&form::POSITION_FRICTION, 1e-6, &|i| {
+        friction(i) * (1.0 + map(i, &[0.1, 0.05]))
+    });
+    near(&form::LOCAL_FRICTION_SPOT, 4e-4, &|i| {
         friction(i) * (1.0 + 0.5 * (-((x[i] - 4e-3) / 1e-3).powi(2)).exp())
     });
-    near(8, 1e-6, &|i| {
+    near(&form::PERIODIC_FORCE, 1e-6, &|i| {
         friction(i) + 0.05 * (TAU * x[i] / 1.3e-3 + 0.4).cos()
     });
-    near(9, 1e-6, &|i| {
+    near(&form::PERIODIC_FRICTION, 1e-6, &|i| {
         friction(i) * (1.0 + 0.1 * (TAU * x[i] / 2e-3 - 1.0).cos())
     });
-    near(11, 1e-6, &|i| {
+    near(&form::EXTERNAL_VIBRATION, 1e-6, &|i| {
         friction(i) + 0.1 * (TAU * 17.0 * t[i] + 0.3).sin()
     });
-    near(15, 1e-12, &|i| friction(i) * (1.0 - 0.02 * t[i]));
-    near(16, 1e-3, &|i| {
+    near(&form::THERMAL_DRIFT, 1e-12, &|i| {
+        friction(i) * (1.0 - 0.02 * t[i])
+    });
+    near(&form::WARM_UP, 1e-3, &|i| {
         friction(i) * (1.0 + 0.2 * (-t[i] / 1.5).exp())
     });
-    near(19, 1e-12, &|i| friction(i) * (1.0 + 0.02 * t[i]));
-    near(21, 1e-12, &|i| {
+    near(&form::LOAD_DEPENDENT_FRICTION, 1e-12, &|i| {
+        friction(i) * (1.0 + 0.02 * t[i])
+    });
+    near(&form::ACTUATOR_SATURATION, 1e-12, &|i| {
         (friction(i) + rest(i)).clamp(-0.7, 0.7) - rest(i)
     });
-    near(20, 1e-12, &|i| {
+    near(&form::ACTUATOR_DEAD_ZONE, 1e-12, &|i| {
         friction(i) + 0.1 * (friction(i) + rest(i)).signum()
     });
     // The encoder's error comes back out: to first order in 2πe/p = 0.13.
     let k = TAU / 1e-4;
-    near(10, 2e-2, &|i| {
+    near(&form::ENCODER_ERROR, 2e-2, &|i| {
         let angle = k * x[i] + 0.7;
         let slope = 1.0 + 2e-6 * k * angle.sin();
         friction(i)
@@ -103,12 +120,20 @@ fn effects_along_a_recording_are_their_formulas() {
     let path = |i: usize| (0..=i).map(|n| v[n].abs() * STEP).sum::<f64>();
     let off = (0..4000).step_by(37).map(|i| {
         let wanted = friction(i) * (1.0 + 0.2 * (-path(i) / 0.05).exp()) + rest(i);
-        (pick(17)[i] - wanted).abs()
+        (pick(&form::RUN_IN)[i] - wanted).abs()
     });
     assert!(off.fold(0.0, f64::max) < 1e-3);
     // All levels at once: m = 1 + Σ(m_i − 1), and forces beside them.
     let all = along(
-        [0, 6, 9, 8, 4].map(|n| every[n].clone()).to_vec(),
+        [
+            &form::COULOMB_ASYMMETRY,
+            &form::POSITION_FRICTION,
+            &form::PERIODIC_FRICTION,
+            &form::PERIODIC_FORCE,
+            &form::POSITION_SPRING,
+        ]
+        .map(example)
+        .to_vec(),
         coulomb.clone(),
     );
     let off = difference(&all, 0, |i| {
@@ -136,7 +161,6 @@ fn effects_along_a_recording_are_their_formulas() {
 fn effects_with_memory_follow_their_laws() {
     let [t, _, v, a] = sine();
     let coulomb = FrictionModel::Coulomb { coulomb: 0.8 };
-    let every = every();
     let rest = |i: usize| 2.0 * a[i] + 3.0 * v[i] + 0.05;
     let (mut lag, mut age) = (vec![0.0; 4000], vec![0.0; 4000]);
     let (mut level, mut theta) = (0.2, 0.0);
@@ -157,13 +181,16 @@ fn effects_with_memory_follow_their_laws() {
         };
         age[i] = 0.05 * (1.0 + theta / 0.1).log10();
     }
-    for (n, tolerance, levels) in [(3, 1e-3, lag), (18, 4e-3, age)] {
-        let found = along(vec![every[n].clone()], coulomb.clone());
+    for (form, tolerance, levels) in [
+        (&form::FRICTIONAL_LAG, 1e-3, lag),
+        (&form::DWELL_AGING, 4e-3, age),
+    ] {
+        let found = along(vec![example(form)], coulomb.clone());
         let off = difference(&found, 0, |i| {
             0.8 * v[i].signum() * (1.0 + levels[i]) + rest(i)
         });
-        eprintln!("{}: {off:.1e} N", every[n].id());
-        assert!(off < tolerance, "{}: {off:e}", every[n].id());
+        eprintln!("{form:?}: {off:.1e} N");
+        assert!(off < tolerance, "{form:?}: {off:e}");
     }
 }
 
@@ -177,13 +204,20 @@ fn a_missing_column_is_an_error() {
         pieces: &[0..2000, 2000..4000],
         sample_time: STEP,
     };
-    for (n, column) in [(15, "temperature_C"), (19, "load_N")] {
+    for (form, column) in [
+        (&form::THERMAL_DRIFT, "temperature_C"),
+        (&form::LOAD_DEPENDENT_FRICTION, "load_N"),
+    ] {
         refuses(
-            model(vec![every()[n].clone()]).resistance(path),
+            model(vec![example(form)]).resistance(path),
             &[column, "--map"],
         );
     }
-    assert!(model(vec![every()[16].clone()]).resistance(path).is_ok());
+    assert!(
+        model(vec![example(&form::WARM_UP)])
+            .resistance(path)
+            .is_ok()
+    );
     // A vibration that the samples cannot show.
     let fast = Effect::new(
         "external_vibration",
@@ -292,6 +326,7 @@ fn a_stepper_has_the_bits_of_the_path() {
                 .any(|id| r.contains(id))),
         "{refused:?}"
     );
-    let mut cold = Stepper::of(&model(vec![every()[15].clone()]), STEP).expect("a stepper");
+    let mut cold =
+        Stepper::of(&model(vec![example(&form::THERMAL_DRIFT)]), STEP).expect("a stepper");
     refuses(cold.step(&Now::default()), &["temperature_C"]);
 }

@@ -4,11 +4,11 @@ use super::*;
 use preslide_host_tests::refusal::refuses;
 
 #[test]
-fn these_tests_know_every_form() {
-    let mut known = every();
-    known.extend([gravity(), Effect::of(&form::CONSTANT_FORCE, &[0.1])]);
+fn a_forms_example_is_what_a_model_file_may_have() {
     for form in form::ALL {
-        assert!(known.iter().any(|effect| effect.is(form)), "{form:?}");
+        let effect = example(form);
+        let values: Vec<_> = (effect.values.iter().map(|(key, v)| (key.as_str(), *v))).collect();
+        assert_eq!(Effect::new(form.id, &values).as_ref(), Ok(&effect));
     }
 }
 
@@ -17,7 +17,7 @@ fn every_effect_is_read_back_as_it_was_written() {
     for motion in [MotionKind::Linear, MotionKind::Rotary] {
         let mut effects = every();
         if motion == MotionKind::Rotary {
-            effects.push(gravity());
+            effects.push(example(&form::GRAVITY));
         }
         let model = Model {
             motion,
@@ -43,7 +43,7 @@ fn every_effect_is_read_back_as_it_was_written() {
             }
         }
     }
-    let mut shuffled = every()[5].clone();
+    let mut shuffled = example(&form::POSITION_FORCE);
     shuffled.values.reverse();
     let given: Vec<_> = shuffled
         .values
@@ -52,7 +52,7 @@ fn every_effect_is_read_back_as_it_was_written() {
         .collect();
     assert_eq!(
         Effect::new("position_force", &given).as_ref(),
-        Ok(&every()[5])
+        Ok(&example(&form::POSITION_FORCE))
     );
 }
 

@@ -6,7 +6,6 @@ use super::*;
 #[test]
 fn mechanics_and_channels() {
     let [t, x, v, a] = sine();
-    let every = every();
     let rest = |i: usize| 2.0 * a[i] + 3.0 * v[i] + 0.05;
     let w = TAU * 0.9;
     // A spring instead of friction: everything is smooth and linear.
@@ -27,20 +26,20 @@ fn mechanics_and_channels() {
     let off = difference(&plain, 0, |i| force(t[i], origin(i)));
     assert!(off < 1e-9, "{off:e}");
 
-    let ripple = every.last().expect("the last one").clone();
+    let ripple = example(&form::TORQUE_RIPPLE);
     let rippled = along(vec![ripple], spring.clone());
     let given = |i: usize| 1.0 + 0.1 * (TAU * x[i] / 1.7e-3 + 0.6).cos();
     let off = difference(&rippled, 0, |i| force(t[i], origin(i)) / given(i));
     assert!(off < 1e-9, "ripple {off:e}");
 
-    let late = along(vec![every[12].clone()], spring.clone());
+    let late = along(vec![example(&form::CHANNEL_DELAY)], spring.clone());
     let off = difference(&late, 4, |i| force(t[i] - 2.5e-3, origin(i)));
     assert!(off < 1e-4, "delay {off:e}");
     assert!(difference(&late, 4, |i| force(t[i], origin(i))) > 3e-3);
 
     // Behind a spring k = ω²·M/4 the load is at x − F_t/k, F_t = M/2·a + F; in a sine that scales the motion of load and
     // spring: F falls by 100 N/m·(F_t − F_t(0))/k, and −F_t''·(M/2)/k = 2·(w/ω)²·(F_t − mean) is added.
-    let soft = along(vec![every[13].clone()], spring);
+    let soft = along(vec![example(&form::DRIVE_COMPLIANCE)], spring);
     let omega = TAU * 60.0;
     let k = omega * omega * 0.5;
     let off = difference(&soft, 7, |i| {
@@ -59,7 +58,7 @@ fn mechanics_and_channels() {
 
     // A play of 0.1 mm: after each turn friction is used up at once, and nothing is transmitted for that distance.
     let stop = FrictionModel::maxwell_slip(&[1e6], &[8e-7]);
-    let play = along(vec![every[14].clone()], stop.clone());
+    let play = along(vec![example(&form::BACKLASH)], stop.clone());
     let mut crossed = Vec::new();
     for i in 1..4000 {
         if i % 2000 != 0 && v[i].signum() != v[i - 1].signum() {
@@ -85,7 +84,7 @@ fn mechanics_and_channels() {
         inertia: 0.0,
         viscous: 0.0,
         constant_force: 0.0,
-        ..model(vec![every[22].clone()])
+        ..model(vec![example(&form::CREEP)])
     };
     let model = Model {
         friction: FrictionModel::maxwell_slip(&[1e3], &[8e-4]),

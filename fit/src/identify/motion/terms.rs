@@ -221,13 +221,9 @@ impl Body {
             coulomb: self.coulomb,
         };
         if self.along != [0.0; 2] {
-            let [one, two] = self.along;
-            let keys = ["from_m", "to_m", "cosine1", "cosine2"].map(str::to_owned);
-            let [from, to] = place.travel;
-            effects.push(Effect {
-                form: &form::POSITION_FRICTION,
-                values: keys.into_iter().zip([from, to, one, two]).collect(),
-            });
+            let ([from, to], [one, two]) = (place.travel, self.along);
+            let map = [from, to, one, two];
+            effects.push(Effect::of(&form::POSITION_FRICTION, &map));
         }
         Model {
             inertia: self.inertia,

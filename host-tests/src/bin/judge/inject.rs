@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use preslide_host_tests::judge::case::Case;
-use preslide_host_tests::judge::inject::EFFECTS;
 use preslide_host_tests::judge::source::{self, injection};
 use preslide_host_tests::judge::summary::Share;
 use preslide_host_tests::judge::tool::Tool;
+use preslide_host_tests::trials::effect::INJECTED;
 
 /// Known effects added to real recordings, at shares of their effort's deviation
 #[derive(Args)]
@@ -57,7 +57,7 @@ pub fn run(o: &Options) -> Result<(), String> {
     if pairs.is_empty() {
         return Err(format!(
             "no pair of recording and effect is left; effects are {}; recordings those of ../shared that `cargo xtask real` lists",
-            EFFECTS.join(", ")
+            INJECTED.each_ref().map(|effect| effect.id).join(", ")
         ));
     }
     if o.oracle {
@@ -79,7 +79,7 @@ fn table(cases: &[Case]) -> String {
     for strength in &strengths {
         text += &format!(" {:>16}", format!("{strength} %"));
     }
-    let effects = EFFECTS.iter().map(|e| (*e, *e)).chain([("all", "")]);
+    let effects = INJECTED.iter().map(|e| (e.id, e.id)).chain([("all", "")]);
     for (name, effect) in effects {
         let own = |c: &&Case| effect.is_empty() || c.truth.iter().any(|t| t.id == effect);
         if !cases.iter().any(|c| own(&c)) {

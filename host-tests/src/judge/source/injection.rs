@@ -1,9 +1,10 @@
 //! Known effects added to real recordings ([`crate::judge::inject`]), and what was said of the recordings before.
 
 use crate::judge::case::{Case, Sort, Truth};
-use crate::judge::inject::{EFFECTS, inject};
+use crate::judge::inject::inject;
 use crate::judge::real::{MACHINES, Machine};
 use crate::judge::tool::{Tool, parallel};
+use crate::trials::effect::INJECTED;
 
 /// A machine and an effect that is added to its recording.
 pub type Pair = (&'static Machine, &'static str);
@@ -17,7 +18,7 @@ pub fn pairs(wanted: impl Fn(&str, &str) -> bool, from: usize, every: usize) -> 
         .iter()
         .filter(|m| m.model.is_none() && !CARRIES_NONE.contains(&m.name));
     machines
-        .flat_map(|machine| EFFECTS.map(|effect| (machine, effect)))
+        .flat_map(|machine| INJECTED.iter().map(move |effect| (machine, effect.id)))
         .filter(|(machine, effect)| wanted(machine.name, effect))
         .skip(from)
         .step_by(every)

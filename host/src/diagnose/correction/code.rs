@@ -1,8 +1,8 @@
 //! A correction as code that is added to one's own force: Python, C, MATLAB.
 
-use super::expr::{Expr, Input};
 use super::{Blocks, Correction};
 use crate::diagnose::core::SLIPS;
+use crate::diagnose::expr::{Expr, Input};
 use std::fmt::Write as _;
 use std::path::Path;
 

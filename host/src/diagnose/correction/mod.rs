@@ -2,11 +2,11 @@
 //! whole friction.
 
 mod code;
-pub mod expr;
-mod formula;
 mod present;
 
 use super::core::SLIPS;
+use super::effect;
+use super::expr::{Expr, Function, Input};
 use super::named::{Name, Named};
 use super::null_model::{Hypothesis, NullModel};
 use super::signals::Signals;
@@ -14,8 +14,6 @@ use super::simulation::{Correction as Core, Few, few_blocks};
 use super::term::Term;
 use super::weak::Column;
 pub use code::Language;
-use expr::{Expr, Function, Input};
-use formula::formula;
 use preslide_fit::recording::Recording;
 use preslide_fit::signal::Deflection;
 use preslide_fit::statistics::{Estimate, nmse};
@@ -205,7 +203,8 @@ impl Along<'_> {
         null: &NullModel,
     ) -> Added {
         let level = null.baseline.level;
-        let formula = formula(stated.id(), &stated.parameters, level);
+        let effect = effect::by_id(stated.id());
+        let formula = effect.and_then(|effect| effect.formula(&stated.parameters, level));
         let force = match &formula {
             Some(formula) => self.force(formula),
             None => self.of_columns(&term.columns(&null.scene()), coefficients),
@@ -363,7 +362,7 @@ mod tests {
                         at_shape: &|_| None,
                         scene,
                     });
-                    let Some(formula) = formula(effect.id(), &values, level) else {
+                    let Some(formula) = effect.formula(&values, level) else {
                         continue;
                     };
                     let own = along.force(&formula);
@@ -380,23 +379,9 @@ mod tests {
                 }
             }
         }
-        let without: Vec<&str> = (ALL.iter().map(|e| e.id()))
-            .filter(|id| !told.contains(id))
-            .collect();
-        // The drive, the encoder, the channels, and what remembers more than where it turned.
-        let stateful = [
-            "torque_ripple",
-            "encoder_error",
-            "channel_delay",
-            "drive_compliance",
-            "frictional_lag",
-            "dwell_aging",
-            "axis_coupling",
-            "backlash",
-            "actuator_dead_zone",
-            "actuator_saturation",
-            "creep",
-        ];
-        assert_eq!(without, stateful);
+        for effect in ALL {
+            let is_told = told.contains(effect.id());
+            assert_eq!(is_told, effect.card().formula.is_some(), "{}", effect.id());
+        }
     }
 }

@@ -1,7 +1,9 @@
 //! The card of an effect: what of its entry no recording changes.
 
 use super::Effect;
+use super::formula::Stated;
 use crate::diagnose::axis::Axis;
+use crate::diagnose::expr::Expr;
 use crate::diagnose::normal::Bound;
 use crate::diagnose::signals::Signals;
 
@@ -37,6 +39,9 @@ pub struct Card {
     pub is_spot: bool,
     /// How its coefficients are bound wherever they are fitted.
     pub bound: Bound,
+    /// Its force as a formula of what is stated of it; `None` for what is no force of the motion at one instant: the drive, the encoder, the channels, and
+    /// what ages.
+    pub formula: Option<Formula>,
     /// Effects of the same shape that are tried in its place: next to it they are no simpler, and where they predict better it is they.
     pub in_place: &'static [&'static dyn Effect],
     /// What the recording lacks to show it, if anything.
@@ -44,6 +49,9 @@ pub struct Card {
     /// What the recording lacks to tell it well from hysteresis, though it can be named where the data do.
     pub blurred: fn(&Signals) -> Option<&'static str>,
 }
+
+/// A force (N or N·m) from stated parameters; `None` where they are others.
+pub type Formula = fn(&Stated) -> Option<Expr>;
 
 /// A card of nothing, for what most leave out: each has id, name, words, class, axis and experiment of its own.
 pub const BARE: Card = Card {
@@ -62,6 +70,7 @@ pub const BARE: Card = Card {
     is_transient: false,
     is_spot: false,
     bound: Bound::Free,
+    formula: None,
     in_place: &[],
     lacks: |_| None,
     blurred: |_| None,

@@ -4,6 +4,7 @@ use super::lack::both_directions;
 use super::readout::value_of;
 use super::{BARE, Card, Class, Effect, Scene};
 use crate::diagnose::axis::Axis;
+use crate::diagnose::expr::Expr;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
@@ -25,6 +26,7 @@ static CARD: Card = Card {
     experiment: "turn the stage end for end: a tilt changes its sign, an asymmetry of friction does not; or change the load",
     coefficient: FORCE,
     lacks: both_directions,
+    formula: Some(|stated| Some(Expr::Number(stated.get(FORCE)?))),
     ..BARE
 };
 

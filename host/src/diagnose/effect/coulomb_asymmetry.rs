@@ -3,12 +3,15 @@
 use super::lack::both_directions;
 use super::{BARE, Card, Class, Effect, Scene};
 use crate::diagnose::axis::Axis;
+use crate::diagnose::expr::Expr;
+use crate::diagnose::expr::Function::Tanh;
+use crate::diagnose::expr::Input::Direction;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
 
 /// Share of the friction level over which its sign changes.
-pub(in crate::diagnose) const SMALL: f64 = 0.1;
+const SMALL: f64 = 0.1;
 
 /// `coulomb_asymmetry`.
 pub struct CoulombAsymmetry;
@@ -22,6 +25,10 @@ static CARD: Card = Card {
     experiment: "turn the stage end for end, or change the load: an asymmetry scales with the friction level",
     coefficient: "asymmetry",
     lacks: both_directions,
+    formula: Some(|stated| {
+        let side = (1.0 / SMALL * Expr::from(Direction)).of(Tanh);
+        Some(stated.friction(stated.get("asymmetry")? * side))
+    }),
     ..BARE
 };
 

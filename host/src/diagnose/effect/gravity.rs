@@ -3,6 +3,7 @@
 use super::wave::amplitude_and_phase;
 use super::{BARE, Card, Class, Effect, Fitted, Part, Scene};
 use crate::diagnose::axis::Axis;
+use crate::diagnose::expr::Function::Sin;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
@@ -26,6 +27,7 @@ static CARD: Card = Card {
     experiment: "slow passes over half a turn or more, and again with the axis of rotation upright, where gravity is gone",
     shown_by: &[Part::Passes],
     lacks: |s| is_one_slope(s).then_some("travel of a radian or more"),
+    formula: Some(|stated| Some(stated.get("force_N")? * stated.past("angle_rad")?.of(Sin))),
     ..BARE
 };
 

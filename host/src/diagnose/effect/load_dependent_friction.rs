@@ -4,6 +4,8 @@
 use super::readout::{enter, known, value_of};
 use super::{BARE, Card, Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
+use crate::diagnose::expr::Expr;
+use crate::diagnose::expr::Input::Load;
 use crate::diagnose::signals::mean;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::{Effect as Entry, form};
@@ -37,6 +39,10 @@ static CARD: Card = Card {
         };
         (!s.load.as_ref().is_some_and(varies)).then_some("varied load")
     },
+    formula: Some(|stated| {
+        let more = Expr::from(Load) + Expr::Number(-stated.get("load_N")?);
+        Some(stated.friction(stated.get("level_per_N")? * more))
+    }),
     ..BARE
 };
 

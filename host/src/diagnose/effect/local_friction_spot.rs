@@ -3,6 +3,7 @@
 use super::lack::{both_directions, different_ends};
 use super::{BARE, Card, Class, Effect, Scale, Scene};
 use crate::diagnose::axis::Axis;
+use crate::diagnose::expr::Function::{Abs, Exp};
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
 use preslide_fit::statistics::{bounds, spread};
@@ -35,6 +36,11 @@ static CARD: Card = Card {
     is_spot: true,
     lacks: both_directions,
     blurred: different_ends,
+    formula: Some(|stated| {
+        let aside = 1.0 / stated.get("width_m")? * stated.past("position_m")?;
+        let bell = (-1.0 * aside.of(Abs).power(2.0)).of(Exp);
+        Some(stated.friction(stated.get("level")? * bell))
+    }),
     ..BARE
 };
 

@@ -1,4 +1,5 @@
-//! The catalogue: one effect a file, of a card and columns, and the waves in one. A new effect is a new file and a line in [`ALL`].
+//! The catalogue: effects of a card and columns, one a file; the waves are in one, and what is no more than a force of the motion stands here.
+//! A new effect is a file of its own or a few lines here, and a line in [`ALL`].
 
 pub mod actuator_dead_zone;
 pub mod actuator_saturation;
@@ -15,17 +16,18 @@ pub mod creep;
 mod displaced;
 pub mod drive_compliance;
 pub mod dwell_aging;
+pub mod formula;
 pub mod frictional_lag;
 pub mod gravity;
 pub mod grid;
 mod lack;
 pub mod load_dependent_friction;
 pub mod local_friction_spot;
+mod of_motion;
 pub mod periodic;
 pub mod position_force;
 pub mod position_friction;
 pub mod position_spring;
-pub mod quadratic_drag;
 mod readout;
 pub mod run_in;
 mod scene;
@@ -34,14 +36,18 @@ pub mod stribeck;
 pub(super) mod tests;
 pub mod thermal_drift;
 pub mod viscous;
-pub mod viscous_asymmetry;
 mod wave;
 
 use super::axis::Axis;
+use super::expr::{Expr, Function::Abs, Input::Velocity};
+use super::normal::Bound;
 use super::signals::Signals;
 use super::weak::Column;
 pub use card::{BARE, Card, Class, Line, Part, Scale};
-use preslide_fit::effects::Effect as Entry;
+use formula::Stated;
+use lack::{both_directions, several_speeds};
+use of_motion::{OF_VELOCITY, OfMotion};
+use preslide_fit::effects::{Effect as Entry, form};
 use preslide_fit::model::Model;
 use preslide_fit::statistics::Estimate;
 use readout::enter;
@@ -50,9 +56,9 @@ use readout::enter;
 pub static ALL: [&dyn Effect; 28] = [
     &constant_force::ConstantForce,
     &viscous::Viscous,
-    &viscous_asymmetry::ViscousAsymmetry,
+    &VISCOUS_ASYMMETRY,
     &coulomb_asymmetry::CoulombAsymmetry,
-    &quadratic_drag::QuadraticDrag,
+    &QUADRATIC_DRAG,
     &stribeck::Stribeck,
     &position_spring::PositionSpring,
     &gravity::Gravity,
@@ -77,6 +83,41 @@ pub static ALL: [&dyn Effect; 28] = [
     &actuator_saturation::ActuatorSaturation,
     &creep::Creep,
 ];
+
+/// `d·|v|`: viscous friction is `d` more forwards than its mean, and `d` less backwards.
+pub static VISCOUS_ASYMMETRY: OfMotion = OfMotion {
+    card: Card {
+        id: form::VISCOUS_ASYMMETRY.id,
+        name: "viscous friction that differs by direction",
+        words: "viscous friction that is higher one way than the other",
+        experiment: "strokes at 1, 3 and 10 times the speed, in both directions",
+        coefficient: "half_difference_N_s_per_m",
+        lacks: |s| both_directions(s).or_else(|| several_speeds(s)),
+        formula: Some(|stated| {
+            Some(stated.get("half_difference_N_s_per_m")? * Expr::from(Velocity).of(Abs))
+        }),
+        ..OF_VELOCITY
+    },
+    force: |s, i| s.v[i].abs(),
+};
+
+/// `c·v·|v|`.
+pub static QUADRATIC_DRAG: OfMotion = OfMotion {
+    card: Card {
+        id: form::QUADRATIC_DRAG.id,
+        name: "quadratic drag",
+        words: "a force that grows with the square of velocity",
+        experiment: "constant speeds over a decade, up to the highest",
+        coefficient: "drag_N_s2_per_m2",
+        bound: Bound::NonNegative,
+        formula: Some(|stated| {
+            let v = || Expr::from(Velocity);
+            Some(stated.get("drag_N_s2_per_m2")? * v() * v().of(Abs))
+        }),
+        ..OF_VELOCITY
+    },
+    force: |s, i| s.v[i] * s.v[i].abs(),
+};
 
 /// What every recording may have to a small extent: it stands in every hypothesis, and is named where it is more.
 pub static ALWAYS_FREE: &dyn Effect = &channel_delay::ChannelDelay;
@@ -208,6 +249,13 @@ pub trait Effect: Sync {
             Class::Drive => self.line().is_none(),
             Class::Plain | Class::Place => false,
         }
+    }
+
+    /// Its force as a [formula](Card::formula) with these parameters (in the keys of a linear axis), `level` (N or N·m) being that of the recording's
+    /// friction.
+    fn formula(&self, parameters: &[(String, Estimate)], level: f64) -> Option<Expr> {
+        let formula = self.card().formula?;
+        formula(&Stated::new(parameters, level))
     }
 
     /// What the recording [lacks](Card::lacks) to show it.

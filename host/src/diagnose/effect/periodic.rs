@@ -6,11 +6,14 @@ use super::readout::enter;
 use super::wave::{PHASE, amplitude_phase_and_shape, wave};
 use super::{BARE, Card, Class, Effect, Fitted, Line, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
+use crate::diagnose::expr::Expr;
+use crate::diagnose::expr::Function::Cos;
+use crate::diagnose::expr::Input::Time;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
 use preslide_fit::model::Model;
 use preslide_fit::statistics::Estimate;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, TAU};
 use std::ops::Range;
 
 /// An effect of one wave.
@@ -36,6 +39,7 @@ pub static PERIODIC_FORCE: Periodic = Periodic {
         shape: PERIOD,
         line: Some(Line::Force),
         recurs: true,
+        formula: Some(|stated| Some(stated.get("force_N")? * stated.wave()?)),
         ..BARE
     },
     columns: |period, scene| wave(&scene.s.x, period).map(Column::of).to_vec(),
@@ -57,6 +61,7 @@ pub static PERIODIC_FRICTION: Periodic = Periodic {
         // A ripple of all that resists the motion, viscous friction too, differs from it by inertia and weight alone.
         in_place: &[&TORQUE_RIPPLE],
         lacks: both_directions,
+        formula: Some(|stated| Some(stated.friction(stated.get("level")? * stated.wave()?))),
         ..BARE
     },
     columns: |period, scene| {
@@ -126,6 +131,11 @@ pub static EXTERNAL_VIBRATION: Periodic = Periodic {
         shape: &[("frequency_Hz", Scale::Frequency)],
         line: Some(Line::Time),
         recurs: true,
+        formula: Some(|stated| {
+            let turns = TAU * stated.get("frequency_Hz")? * Expr::from(Time);
+            let wave = (turns + Expr::Number(stated.get("phase_rad")?)).of(Cos);
+            Some(stated.get("force_N")? * wave)
+        }),
         ..BARE
     },
     columns: |frequency, scene| {

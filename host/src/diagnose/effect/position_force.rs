@@ -5,6 +5,7 @@ use super::lack::different_ends;
 use super::readout::{enter, value_of};
 use super::{BARE, Card, Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
+use crate::diagnose::expr::Expr;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::{Effect as Entry, form};
 use preslide_fit::model::Model;
@@ -25,6 +26,13 @@ static CARD: Card = Card {
     experiment: "slow passes over the whole travel in both directions",
     shape: &[("terms", Scale::Chosen), ("with_mean", Scale::Chosen)],
     blurred: different_ends,
+    formula: Some(|stated| {
+        let map = stated.cosines("_N")?;
+        Some(match stated.get("constant_N") {
+            Some(mean) => map + Expr::Number(mean),
+            None => map,
+        })
+    }),
     ..BARE
 };
 

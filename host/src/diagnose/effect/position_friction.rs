@@ -26,6 +26,7 @@ static CARD: Card = Card {
     shape: &[("terms", Scale::Chosen)],
     lacks: both_directions,
     blurred: different_ends,
+    formula: Some(|stated| Some(stated.friction(stated.cosines("")?))),
     ..BARE
 };
 

@@ -27,6 +27,7 @@ static CARD: Card = Card {
     experiment: "the same strokes about two distant positions",
     shape: &[("free_centre", Scale::Chosen)],
     blurred: different_ends,
+    formula: Some(|stated| Some(stated.get("stiffness_N_per_m")? * stated.past("centre_m")?)),
     ..BARE
 };
 

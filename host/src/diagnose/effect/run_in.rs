@@ -4,6 +4,9 @@ use super::grid::one;
 use super::thermal_drift::goes_one_way;
 use super::{BARE, Card, Class, Effect, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
+use crate::diagnose::expr::Expr;
+use crate::diagnose::expr::Function::Exp;
+use crate::diagnose::expr::Input::Path;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
@@ -28,6 +31,10 @@ static CARD: Card = Card {
         let path = s.path.last().copied().unwrap_or(0.0);
         (path < 10.0 * s.travel()).then_some("a long run")
     },
+    formula: Some(|stated| {
+        let left = (-1.0 / stated.get("path_m")? * Expr::from(Path)).of(Exp);
+        Some(stated.friction(stated.get("level")? * left))
+    }),
     ..BARE
 };
 

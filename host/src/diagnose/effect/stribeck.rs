@@ -5,6 +5,9 @@ use super::lack::several_speeds;
 use super::readout::enter;
 use super::{BARE, Card, Class, Effect, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
+use crate::diagnose::expr::Expr;
+use crate::diagnose::expr::Function::{Abs, Exp};
+use crate::diagnose::expr::Input::{Slipping, Velocity};
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
 use preslide_fit::friction::FrictionModel;
@@ -35,6 +38,15 @@ static CARD: Card = Card {
         ("slipping_only", Scale::Chosen),
     ],
     lacks: several_speeds,
+    formula: Some(|stated| {
+        let slow = 1.0 / stated.get("velocity_m_s")? * Expr::from(Velocity).of(Abs);
+        let slow = slow.power(stated.get("exponent")?);
+        let fallen = stated.get("level")? * (-1.0 * slow).of(Exp);
+        Some(match stated.get("slipping_only") {
+            Some(only) if only > 0.5 => stated.level * Expr::from(Slipping) * fallen,
+            _ => stated.friction(fallen),
+        })
+    }),
     ..BARE
 };
 

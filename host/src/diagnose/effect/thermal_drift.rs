@@ -4,6 +4,9 @@ use super::grid::one;
 use super::readout::known;
 use super::{BARE, Card, Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
+use crate::diagnose::expr::Expr;
+use crate::diagnose::expr::Function::Exp;
+use crate::diagnose::expr::Input::{Temperature, Time};
 use crate::diagnose::signals::{Signals, mean};
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::{Effect as Entry, form};
@@ -28,6 +31,16 @@ static CARD: Card = Card {
         Some(t) if bounds(t).1 - bounds(t).0 < 1.0 => Some("temperature range"),
         Some(_) => None,
     },
+    formula: Some(|stated| {
+        let change = match stated.get("time_constant_s") {
+            Some(constant) => stated.get("level")? * (-1.0 / constant * Expr::from(Time)).of(Exp),
+            None => {
+                let warmer = Expr::from(Temperature) + Expr::Number(-stated.get("temperature_C")?);
+                stated.get("level_per_K")? * warmer
+            }
+        };
+        Some(stated.friction(change))
+    }),
     ..BARE
 };
 

@@ -4,6 +4,8 @@ use super::lack::several_speeds;
 use super::readout::value_of;
 use super::{BARE, Card, Class, Effect, Part, Scene};
 use crate::diagnose::axis::Axis;
+use crate::diagnose::expr::Expr;
+use crate::diagnose::expr::Input::Velocity;
 use crate::diagnose::normal::Bound;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
@@ -27,6 +29,7 @@ static CARD: Card = Card {
     coefficient: COEFFICIENT,
     bound: Bound::NonNegative,
     lacks: several_speeds,
+    formula: Some(|stated| Some(stated.get(COEFFICIENT)? * Expr::from(Velocity))),
     ..BARE
 };
 
