@@ -41,16 +41,26 @@ pub fn rate(text: &str) -> Result<f64, String> {
         .map_err(|_| format!("`{text}` is no speed or acceleration; give 5mm/s, 0.1m/s2 or 0.005"))
 }
 
+/// As [`length`], above zero.
+///
+/// # Errors
+/// What would be understood.
+pub fn positive_length(text: &str) -> Result<f64, String> {
+    length(text).and_then(positive)
+}
+
 /// As [`rate`], above zero.
 ///
 /// # Errors
 /// What would be understood.
 pub fn positive_rate(text: &str) -> Result<f64, String> {
-    let rate = rate(text)?;
-    if rate > 0.0 {
-        Ok(rate)
-    } else {
-        Err("give a number above zero".to_owned())
+    rate(text).and_then(positive)
+}
+
+fn positive(value: f64) -> Result<f64, String> {
+    match value > 0.0 {
+        true => Ok(value),
+        false => Err("give a number above zero".to_owned()),
     }
 }
 

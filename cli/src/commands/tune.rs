@@ -62,7 +62,7 @@ pub struct Tune {
     budget: f64,
 
     /// Length of an encoder count, such as 25nm, 2.5urad or 25e-9 (m or rad); without it, encoder_count_m of the model's [mechanics]
-    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_length)]
     count: Option<f64>,
 
     /// First mode of the drive (rotor against load): propose an observer's gains too; needs a Maxwell-slip model
@@ -74,7 +74,7 @@ pub struct Tune {
     damping: f64,
 
     /// Noise of the encoder beside its resolution, RMS, such as 5nm
-    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate, requires = "resonance")]
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_length, requires = "resonance")]
     noise: Option<f64>,
 
     #[command(flatten)]
