@@ -198,7 +198,7 @@ impl Tune {
         observer: Option<&Proposal>,
     ) -> Result<(), Failure> {
         if let Some(proposal) = observer {
-            say!("{}", proposal.table().to_text());
+            explain!("{}", proposal.table().to_text());
             json["observer"] = proposal.to_json();
         }
         self.outputs.write(&json, || {
@@ -242,7 +242,7 @@ impl Tune {
         observer: Option<&Proposal>,
         start: Instant,
     ) -> Result<(), Failure> {
-        say!("{}", tuning.table().to_text());
+        explain!("{}", tuning.table().to_text());
         for note in &tuning.notes {
             explain!("Note: {note}.");
         }
@@ -271,7 +271,7 @@ impl Tune {
         let comparison = Comparison {
             cores: CORES.iter().zip(tunings).map(on).collect(),
         };
-        say!("{}", comparison.table().to_text());
+        explain!("{}", comparison.table().to_text());
         for note in comparison.notes() {
             explain!("Note: {note}.");
         }
