@@ -1,5 +1,6 @@
 //! A motion, streamed through the controller's buffer.
 
+use crate::quantity::shown;
 use crate::{Drive, DriveError};
 use preslide_link::{POINTS, Points, Refusal, Reply, Request, Sample, State};
 use std::time::Duration;
@@ -74,11 +75,12 @@ impl Motion {
         self.positions[0]
     }
 
-    /// Checks it against the axis's limits: largest speed, acceleration, and, for positions moved by `offset`, travel.
+    /// Checks it against the axis's limits: largest speed, acceleration, and, where it is played, travel.
     ///
     /// # Errors
     /// The limit that is exceeded most, and the row where.
-    pub fn check(&self, rate_hz: u32, limits: &Limits, offset: f64) -> Result<(), String> {
+    pub fn check(&self, rate_hz: u32, limits: &Limits, play: &Play) -> Result<(), String> {
+        let Play { offset, unit, .. } = *play;
         let step = f64::from(self.ticks) / f64::from(rate_hz);
         let speeds: Vec<f64> = self
             .positions
@@ -95,28 +97,30 @@ impl Motion {
         let (row, speed) = largest(&mut speeds.iter().copied());
         if speed > limits.speed {
             return Err(format!(
-                "row {}: {speed:.4e} per s is faster than limits.speed, {:.4e}; plan it slower",
+                "row {}: {} is faster than limits.speed, {}; plan it slower",
                 row + 2,
-                limits.speed
+                shown(speed, &format!("{unit}/s")),
+                shown(limits.speed, &format!("{unit}/s"))
             ));
         }
         let (row, acceleration) = largest(&mut accelerations.into_iter());
         if acceleration > limits.acceleration {
             return Err(format!(
-                "row {}: {acceleration:.4e} per s² is steeper than limits.acceleration, {:.4e}; plan it gentler",
+                "row {}: {} is steeper than limits.acceleration, {}; plan it gentler",
                 row + 2,
-                limits.acceleration
+                shown(acceleration, &format!("{unit}/s²")),
+                shown(limits.acceleration, &format!("{unit}/s²"))
             ));
         }
         let ends = limits.travel.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
         let beyond = |x: &f64| *x + offset < ends.0 || *x + offset > ends.1;
         match self.positions.iter().position(beyond) {
             Some(row) => Err(format!(
-                "row {}: {:.6e} is beyond the travel, {:.4e} to {:.4e}",
+                "row {}: {} is beyond the travel, {} to {}",
                 row + 1,
-                self.positions[row] + offset,
-                ends.0,
-                ends.1
+                shown(self.positions[row] + offset, unit),
+                shown(ends.0, unit),
+                shown(ends.1, unit)
             )),
             None => Ok(()),
         }
@@ -188,6 +192,8 @@ pub struct Played {
 pub struct Play {
     /// Add this to every position (m or rad).
     pub offset: f64,
+    /// Of positions, for messages.
+    pub unit: &'static str,
     /// Telemetry of every so many ticks.
     pub every: u16,
 }
@@ -209,7 +215,7 @@ impl Play {
         let (count, room) = (drive.identity().count, drive.identity().room);
         let limits = Limits::of(drive, before.located)?;
         motion
-            .check(drive.identity().rate_hz, &limits, self.offset)
+            .check(drive.identity().rate_hz, &limits, self)
             .map_err(DriveError::Motion)?;
         drive.ask(Request::Telemetry { every: self.every })?;
         drive.take_samples();
@@ -335,15 +341,20 @@ mod tests {
             acceleration,
             travel: Some((-1.0, high)),
         };
+        let raised = Play {
+            offset: 0.5,
+            unit: "m",
+            every: 1,
+        };
         let says = |limits: Limits| {
             motion
-                .check(1000, &limits, 0.5)
+                .check(1000, &limits, &raised)
                 .expect_err("beyond a limit")
         };
         assert!(says(limits(5e-3, 1.0, 1.0)).contains("row 3"));
         assert!(says(limits(1.0, 0.01, 1.0)).contains("limits.acceleration"));
         assert!(says(limits(1.0, 1.0, 0.5005)).contains("travel"));
-        assert_eq!(motion.check(1000, &limits(1.0, 1.0, 1.0), 0.5), Ok(()));
+        assert_eq!(motion.check(1000, &limits(1.0, 1.0, 1.0), &raised), Ok(()));
     }
     /// Its telemetry runs, and it takes no motion.
     #[derive(Default)]
@@ -433,6 +444,7 @@ mod tests {
         let (play, mut taken) = (
             Play {
                 offset: 0.0,
+                unit: "m",
                 every: 1,
             },
             0,

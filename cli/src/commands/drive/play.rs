@@ -4,7 +4,7 @@ use super::asked::PlayArgs;
 use super::{Commanded, Failure, SAMPLES_PER_ROW};
 use crate::commands::capture::{OnceWritten, refuse_existing};
 use crate::commands::outputs;
-use preslide_drive::{Motion, Play, Played};
+use preslide_drive::{Motion, Play, Played, quantity};
 use preslide_fit::progress::Progress;
 use preslide_fit::recording::{self, LoadOptions, MotionKind, Needs};
 use preslide_host::capture::{Recorder, Scale, Summary};
@@ -27,6 +27,7 @@ impl Commanded {
             .map_err(|reason| Failure::Input(format!("{}: {reason}", play.motion.display())))?;
         let playing = Play {
             offset: self.offset(play.absolute, &motion, identity.count)?,
+            unit: self.unit,
             every: every(play, &identity) as u16,
         };
         let mut following = Following::default();
@@ -66,10 +67,10 @@ impl Commanded {
         }
         if (stands - motion.start()).abs() > 2.0 * count {
             return Err(Failure::Input(format!(
-                "the motion begins at {:.9} {u} and the axis stands at {stands:.9} {u}: `move --to {:.9}` first",
-                motion.start(),
-                motion.start(),
-                u = self.unit
+                "the motion begins at {} and the axis stands at {}: `move --to {:.9}` first",
+                quantity::shown(motion.start(), self.unit),
+                quantity::shown(stands, self.unit),
+                motion.start()
             )));
         }
         Ok(0.0)
