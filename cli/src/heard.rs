@@ -23,7 +23,7 @@ macro_rules! say {
 
 /// Prints sentences for the user: in lines of a terminal where it is one, and whole for whoever reads them otherwise.
 macro_rules! explain {
-    ($($line:tt)*) => { say!("{}", $crate::heard::for_reader(format!($($line)*))) };
+    ($($line:tt)*) => { say!("{}", $crate::heard::for_reader(format!($($line)*), std::io::stdout())) };
 }
 
 /// Tells the user something beside the answer, on stderr.
@@ -83,10 +83,8 @@ const WIDTH: usize = 100;
 const WHOLE: [&str; 3] = ["Next: ", "Try: ", "preslide "];
 
 /// The work of `explain!`.
-pub(super) fn for_reader(text: String) -> String {
-    use std::io::IsTerminal;
-    let on_terminal = CALLED.with_borrow(Option::is_none) && std::io::stdout().is_terminal();
-    match on_terminal {
+pub(super) fn for_reader(text: String, of: impl std::io::IsTerminal) -> String {
+    match CALLED.with_borrow(Option::is_none) && of.is_terminal() {
         true => folded(&text, WIDTH.min(textwrap::termwidth())),
         false => text,
     }
@@ -150,7 +148,7 @@ pub(super) fn say_line(line: std::fmt::Arguments) {
 /// The work of `tell!`.
 pub(super) fn tell_line(line: std::fmt::Arguments) {
     if !give(&|called| called.told.push(line.to_string())) {
-        eprintln!("{line}");
+        eprintln!("{}", for_reader(line.to_string(), std::io::stderr()));
     }
 }
 

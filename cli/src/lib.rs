@@ -61,7 +61,7 @@ pub fn program() -> ExitCode {
     match Arguments::parse().command.run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("preslide: {}", failure.message());
+            tell!("preslide: {}", failure.message());
             ExitCode::from(failure.exit_code())
         }
     }

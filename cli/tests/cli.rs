@@ -65,7 +65,10 @@ fn outputs_that_cannot_be_written_say_so() {
         let run = preslide(&["identify", &path, option, &target]);
         run.fails(1, &["cannot write", "file.html", "folder that exists"]);
     }
-    preslide(&["identify", &path, "--report", &folder.path("r.png")]).fails(2, &["r.png", ".html"]);
+    let (page, model) = (folder.path("r.png"), folder.path("m.toml"));
+    let run = preslide(&["identify", &path, "--report", &page, "-o", &model]);
+    run.fails(2, &["r.png", ".html"]);
+    assert!(!Path::new(&model).exists(), "refused, and left a model");
     let blocker = folder.file("blocker", "");
     preslide(&["demo", "--out", &format!("{blocker}/inside")]).fails(2, &["--out", "blocker"]);
 }
@@ -259,6 +262,9 @@ fn a_plan_keeps_to_the_axis_that_is_named() {
         ],
     );
     plan(&["--travel", "2mm"]).succeeds();
+    plan(&["--travel", "2", "--smallest", "0.01"]).fails(2, &["`2` has no unit", "2mm"]);
+    preslide(&["plan", "--rotary", "--travel", "90deg", "-o", &motion])
+        .fails(2, &["--speed 90deg/s", "--acceleration", "rad/s²"]);
     preslide(&["plan", "--axis", "none.toml", "-o", &motion]).fails(2, &["none.toml", "axis.toml"]);
 }
 

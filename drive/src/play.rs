@@ -1,5 +1,6 @@
 //! A motion, streamed through the controller's buffer.
 
+use crate::quantity::shown;
 use crate::{Drive, DriveError};
 use preslide_link::{POINTS, Points, Refusal, Reply, Request, Sample, State};
 use std::time::Duration;
@@ -74,11 +75,12 @@ impl Motion {
         self.positions[0]
     }
 
-    /// Checks it against the axis's limits: largest speed, acceleration, and, for positions moved by `offset`, travel.
+    /// Checks it against the axis's limits: largest speed, acceleration, and, where it is played, travel.
     ///
     /// # Errors
     /// The limit that is exceeded most, and the row where.
-    pub fn check(&self, rate_hz: u32, limits: &Limits, offset: f64) -> Result<(), String> {
+    pub fn check(&self, rate_hz: u32, limits: &Limits, play: &Play) -> Result<(), String> {
+        let Play { offset, unit, .. } = *play;
         let step = f64::from(self.ticks) / f64::from(rate_hz);
         let speeds: Vec<f64> = self
             .positions
@@ -95,28 +97,30 @@ impl Motion {
         let (row, speed) = largest(&mut speeds.iter().copied());
         if speed > limits.speed {
             return Err(format!(
-                "row {}: {speed:.4e} per s is faster than limits.speed, {:.4e}; plan it slower",
+                "row {}: {} is faster than limits.speed, {}; plan it slower",
                 row + 2,
-                limits.speed
+                shown(speed, &format!("{unit}/s")),
+                shown(limits.speed, &format!("{unit}/s"))
             ));
         }
         let (row, acceleration) = largest(&mut accelerations.into_iter());
         if acceleration > limits.acceleration {
             return Err(format!(
-                "row {}: {acceleration:.4e} per s² is more than limits.acceleration, {:.4e}; plan it more gently",
+                "row {}: {} is more than limits.acceleration, {}; plan it more gently",
                 row + 2,
-                limits.acceleration
+                shown(acceleration, &format!("{unit}/s²")),
+                shown(limits.acceleration, &format!("{unit}/s²"))
             ));
         }
         let ends = limits.travel.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
         let beyond = |x: &f64| *x + offset < ends.0 || *x + offset > ends.1;
         match self.positions.iter().position(beyond) {
             Some(row) => Err(format!(
-                "row {}: {:.6e} is beyond the travel, {:.4e} to {:.4e}",
+                "row {}: {} is beyond the travel, {} to {}",
                 row + 1,
-                self.positions[row] + offset,
-                ends.0,
-                ends.1
+                shown(self.positions[row] + offset, unit),
+                shown(ends.0, unit),
+                shown(ends.1, unit)
             )),
             None => Ok(()),
         }
@@ -188,6 +192,8 @@ pub struct Played {
 pub struct Play {
     /// Add this to every position (m or rad).
     pub offset: f64,
+    /// Of positions, for messages.
+    pub unit: &'static str,
     /// Telemetry of every so many ticks.
     pub every: u16,
 }
@@ -209,7 +215,7 @@ impl Play {
         let (count, room) = (drive.identity().count, drive.identity().room);
         let limits = Limits::of(drive, before.located)?;
         motion
-            .check(drive.identity().rate_hz, &limits, self.offset)
+            .check(drive.identity().rate_hz, &limits, self)
             .map_err(DriveError::Motion)?;
         drive.ask(Request::Telemetry { every: self.every })?;
         drive.take_samples();
@@ -231,7 +237,7 @@ impl Play {
                 first: at(first),
                 steps,
             };
-            let reply = send(drive, points, &mut take, &mut stopped)?;
+            let reply = send(drive, points, first == 0, &mut take, &mut stopped)?;
             if stopped {
                 break;
             }
@@ -260,25 +266,25 @@ impl Play {
     }
 }
 
-/// Sends points when the buffer has room; hands on telemetry meanwhile.
+/// Sends points when the buffer has room; hands on telemetry meanwhile. Where even the `first` are refused there was no motion, and nothing is of it.
 fn send(
     drive: &mut Drive,
     points: Points,
+    first: bool,
     take: &mut impl FnMut(Vec<Sample>) -> bool,
     stopped: &mut bool,
 ) -> Result<Reply, DriveError> {
     loop {
         let answer = drive.ask(Request::Points(points));
-        if take(drive.take_samples()) {
+        let is_busy = matches!(&answer, Err(DriveError::Refused { refusal, .. }) if *refusal == Refusal::Busy);
+        let is_moving = !first || is_busy || answer.is_ok();
+        if is_moving && take(drive.take_samples()) {
             drive.stop()?;
             *stopped = true;
             return Ok(Reply::Done { room: 0 });
         }
         match answer {
-            Err(DriveError::Refused {
-                refusal: Refusal::Busy,
-                ..
-            }) => {
+            Err(_) if is_busy => {
                 drive.listen(Duration::from_millis(2))?;
             }
             Err(error @ DriveError::Refused { .. }) => {
@@ -293,6 +299,11 @@ fn send(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use preslide_link::{
+        Deframer, Identity, LARGEST_FRAME, Mode, Numbered, PROTOCOL, Report, ResetCause, encode,
+    };
+    use std::collections::VecDeque;
+    use std::io::{ErrorKind, Read, Write};
 
     #[test]
     fn an_even_grid_is_taken_as_it_is_and_another_is_laid_on_one() {
@@ -330,14 +341,122 @@ mod tests {
             acceleration,
             travel: Some((-1.0, high)),
         };
+        let raised = Play {
+            offset: 0.5,
+            unit: "m",
+            every: 1,
+        };
         let says = |limits: Limits| {
             motion
-                .check(1000, &limits, 0.5)
+                .check(1000, &limits, &raised)
                 .expect_err("beyond a limit")
         };
         assert!(says(limits(5e-3, 1.0, 1.0)).contains("row 3"));
         assert!(says(limits(1.0, 0.01, 1.0)).contains("limits.acceleration"));
         assert!(says(limits(1.0, 1.0, 0.5005)).contains("travel"));
-        assert_eq!(motion.check(1000, &limits(1.0, 1.0, 1.0), 0.5), Ok(()));
+        assert_eq!(motion.check(1000, &limits(1.0, 1.0, 1.0), &raised), Ok(()));
+    }
+    /// Its telemetry runs, and it takes no motion.
+    #[derive(Default)]
+    struct DisabledAxis {
+        heard: Deframer,
+        says: VecDeque<u8>,
+    }
+
+    impl DisabledAxis {
+        fn say(&mut self, report: Report) {
+            let mut frame = [0; LARGEST_FRAME];
+            let length = encode(&report, &mut frame).expect("a frame");
+            self.says.extend(&frame[..length]);
+        }
+    }
+
+    impl Read for DisabledAxis {
+        fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+            match self.says.is_empty() {
+                true => Err(ErrorKind::TimedOut.into()),
+                false => self.says.read(buffer),
+            }
+        }
+    }
+
+    impl Write for DisabledAxis {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            for byte in bytes {
+                let Some(Ok(Numbered { id, request })) = self.heard.push(*byte) else {
+                    continue;
+                };
+                let reply = match request {
+                    Request::Hello => Reply::Identity(Identity {
+                        protocol: PROTOCOL,
+                        rate_hz: 1000,
+                        count: 1e-6,
+                        effort_per_a: 1.0,
+                        room: 32,
+                        saved: false,
+                        model: 0,
+                    }),
+                    Request::State => Reply::State(State {
+                        mode: Mode::Disabled,
+                        fault: None,
+                        located: false,
+                        silent: false,
+                        reset: ResetCause::Power,
+                        tick: 0,
+                        position: 0,
+                        queued: 0,
+                        dropped: 0,
+                        missed: 0,
+                        supply: 0,
+                        current: 0,
+                    }),
+                    Request::Telemetry { .. } => Reply::Done { room: 32 },
+                    Request::Points(_) => Reply::Refused(Refusal::NotEnabled),
+                    _ => Reply::Refused(Refusal::NoParameter),
+                };
+                self.say(Report::Sample(Sample {
+                    sequence: 0,
+                    dropped: 0,
+                    tick: 0,
+                    position: 0,
+                    reference: 0,
+                    code: 0,
+                    current: 0,
+                    supply: 0,
+                    fault: None,
+                    range: None,
+                    level: 0,
+                }));
+                self.say(Report::Answer { id, reply });
+            }
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_motion_that_is_refused_from_the_start_gives_nothing_to_record() {
+        let mut drive = Drive::begin(Box::new(DisabledAxis::default())).expect("a controller");
+        let motion = Motion::new(&[0.0, 0.1, 0.2], &[0.0; 3], 1000).expect("a motion");
+        let (play, mut taken) = (
+            Play {
+                offset: 0.0,
+                unit: "m",
+                every: 1,
+            },
+            0,
+        );
+        let refused = play.play(&mut drive, &motion, |samples| {
+            taken += samples.len();
+            false
+        });
+        let error = refused.expect_err("refused").to_string();
+        assert!(
+            error.contains("`enable` first") && taken == 0,
+            "{error}, {taken}"
+        );
     }
 }

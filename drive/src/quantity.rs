@@ -42,17 +42,39 @@ pub fn rate(text: &str) -> Result<f64, String> {
     })
 }
 
+/// As [`length`], above zero.
+///
+/// # Errors
+/// What would be understood.
+pub fn positive_length(text: &str) -> Result<f64, String> {
+    length(text).and_then(positive)
+}
+
 /// As [`rate`], above zero.
 ///
 /// # Errors
 /// What would be understood.
 pub fn positive_rate(text: &str) -> Result<f64, String> {
-    let rate = rate(text)?;
-    if rate > 0.0 {
-        Ok(rate)
-    } else {
-        Err("give a number above zero".to_owned())
+    rate(text).and_then(positive)
+}
+
+fn positive(value: f64) -> Result<f64, String> {
+    match value > 0.0 {
+        true => Ok(value),
+        false => Err("give a number above zero".to_owned()),
     }
+}
+
+/// A length or speed as people read it, to a nanometre or nanoradian: `100.5 µm`.
+pub fn shown(value: f64, unit: &str) -> String {
+    let (prefix, scale, decimals) = match value.abs() {
+        size if size >= 1.0 => ("", 1.0, 9),
+        size if size >= 1e-3 => ("m", 1e3, 6),
+        _ => ("µ", 1e6, 3),
+    };
+    let figures = format!("{:.decimals$}", value * scale);
+    let figures = figures.trim_end_matches('0').trim_end_matches('.');
+    format!("{figures} {prefix}{unit}")
 }
 
 #[cfg(test)]
@@ -77,5 +99,8 @@ mod tests {
             assert!(length(text).is_err(), "{text}");
         }
         assert!(positive_rate("-1mm/s").is_err());
+        for (value, text) in [(1.005e-4, "100.5 µm"), (-0.0125, "-12.5 mm"), (0.0, "0 µm")] {
+            assert_eq!(shown(value, "m"), text);
+        }
     }
 }

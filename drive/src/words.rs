@@ -1,5 +1,6 @@
 //! Faults, refusals and resets in plain words, with what to do.
 
+use crate::quantity;
 use preslide_link::{FaultCode, Mode, Refusal, ResetCause, State};
 
 /// Why the axis is in its safe state.
@@ -105,8 +106,8 @@ pub fn state(state: &State, count: f64, rate_hz: u32, unit: &str) -> Vec<String>
     let mut lines = vec![
         format!("state     {}", mode(state.mode)),
         format!(
-            "position  {:+.9} {unit} ({} counts, {})",
-            state.position as f64 * count,
+            "position  {} ({} counts, {})",
+            quantity::shown(state.position as f64 * count, unit),
             state.position,
             if state.located {
                 "from the axis's origin"

@@ -9,6 +9,7 @@ use preslide_host::capture::{CaptureError, End, Scale, Summary, capture, open};
 use preslide_link::RangeCode;
 use serde_json::json;
 use std::fs::{File, OpenOptions};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -83,22 +84,38 @@ pub fn refuse_existing(path: &Path, overwrite: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Creates a recording's file; an existing one is replaced only on request.
-pub fn create(path: &Path, overwrite: bool) -> Result<File, Failure> {
-    refuse_existing(path, overwrite)?;
-    let mut options = OpenOptions::new();
-    options.write(true).truncate(true);
-    let file = if overwrite {
-        options.create(true).open(path)
-    } else {
-        options.create_new(true).open(path)
-    };
-    file.map_err(|error| {
-        Failure::Tool(format!(
-            "cannot write {}: {error}; name a file in a folder that exists and is writable",
-            path.display()
-        ))
-    })
+/// A recording's file, made with its first byte: what is refused before leaves none, and takes nothing from an older one.
+pub struct OnceWritten<'a> {
+    path: &'a Path,
+    overwrite: bool,
+    file: Option<File>,
+}
+
+impl<'a> OnceWritten<'a> {
+    /// An existing one is replaced only on request.
+    pub fn new(path: &'a Path, overwrite: bool) -> Self {
+        Self {
+            path,
+            overwrite,
+            file: None,
+        }
+    }
+}
+
+impl Write for OnceWritten<'_> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        if let Some(file) = &mut self.file {
+            return file.write(bytes);
+        }
+        let mut options = OpenOptions::new();
+        options.write(true).truncate(true).create(true);
+        let file = options.create_new(!self.overwrite).open(self.path)?;
+        self.file.insert(file).write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.file.as_mut().map_or(Ok(()), File::flush)
+    }
 }
 
 fn parse_positive(text: &str) -> Result<f64, String> {
@@ -152,16 +169,11 @@ impl Capture {
         let own = [("-o", Some(&self.output)), ("--json", self.json.as_ref())];
         outputs::check(&[], &own, None)?;
         let source = open(&self.source, self.wait)?;
-        let file = create(&self.output, self.overwrite)?;
+        let file = OnceWritten::new(&self.output, self.overwrite);
         let progress = Progress::new("capture, rows", rows.unwrap_or(0));
         let captured = capture(source, file, &scale, rows, || progress.inc(1));
         progress.finish();
-        let summary = captured.inspect_err(|error| {
-            if matches!(error, CaptureError::NoTelemetry { .. }) {
-                // A header without rows is no recording.
-                let _ = std::fs::remove_file(&self.output);
-            }
-        })?;
+        let summary = captured?;
         tell!("wrote {path}");
         if let Some(json) = &self.json {
             write_text(json, &format!("{:#}\n", machine(&summary)))?;

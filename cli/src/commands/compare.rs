@@ -40,9 +40,10 @@ impl Compare {
             tell!("{}: {}", recording.name, warning.message);
         }
 
-        say!("{}", found.table(&recording).to_text());
+        explain!("{}", found.table(&recording).to_text());
         if let Some(best) = found.models.get(found.recommended) {
-            say!("{}: {}", best.name(), best.parameters_in_words());
+            let parameters = best.parameters_in_words(recording.effort_unit());
+            explain!("{}: {parameters}.", best.name());
             say!("The others' parameters are in --report and --json.\n");
         }
         for note in &found.notes {

@@ -20,7 +20,7 @@ use std::time::Instant;
 /// Record, identify, diagnose and track a simulated stage that hides something; under a minute
 #[derive(Args)]
 #[command(
-    after_help = "Example: preslide demo --out preslide-report\n\nPositions are in m, forces in N, times in s."
+    after_help = "Example: preslide demo --out preslide-report\n\nColumns and model files are in m, N and s."
 )]
 pub struct Demo {
     /// Folder for the recording, the models, the source for the firmware and the report
@@ -72,8 +72,8 @@ impl Demo {
     /// The result first, then how it came about.
     fn tell(&self, story: &Story) {
         explain!("{}\n", story.outcome());
-        say!("{}", story.table().to_text());
-        say!("{}", story.truth_table().to_text());
+        explain!("{}", story.table().to_text());
+        explain!("{}", story.truth_table().to_text());
         say!(
             "How: 1. A simulated stage (seed {}: 3 kg and a rotor of 1 kg on a 2 mm screw) followed strokes of\n\
              150 to 8 µm, slow slides and passes over 4 mm under the firmware's control code; encoder count and\n\
@@ -90,7 +90,7 @@ impl Demo {
             file("model.toml")
         );
         explain!("{}\n", story.diagnosis.verdict_lines(story.recording));
-        say!("{}", story.diagnosis.budget_text(story.recording));
+        explain!("{}", story.diagnosis.budget_text(story.recording));
         explain!("{}", story.diagnosis.recommendation(story.recording));
         say!(
             "\n4. preslide export {} --kernel auto --count {:e}\n",

@@ -127,8 +127,8 @@ impl Diagnose {
         if let Some(given) = found.given_words() {
             explain!("Note: {given}.\n");
         }
-        if let Some(table) = found.given_table() {
-            say!("{}", table.to_text());
+        if let Some(table) = found.given_table(&recording) {
+            explain!("{}", table.to_text());
         }
         if let Some(late) = found.simulated_late {
             say!(
@@ -142,7 +142,7 @@ impl Diagnose {
         if let Some(per) = recording.per_unit() {
             explain!("Note: {per}.\n");
         }
-        say!("{}", found.budget_text(&recording));
+        explain!("{}", found.budget_text(&recording));
         let besides = [
             found.in_fit_words(&recording),
             found.possible_words(&recording),
@@ -151,18 +151,19 @@ impl Diagnose {
             explain!("{words}.\n");
         }
         if self.table && !found.effects.is_empty() {
-            say!("{}", found.table(&recording).to_text());
+            explain!("{}", found.table(&recording).to_text());
         }
         for second in &found.second_positions {
-            say!("Second position: {}.", second.words(&recording));
+            explain!("Second position: {}.", second.words(&recording));
         }
         for lack in &found.lacks {
             explain!("{}", lack.words());
         }
         explain!("{}", found.recommendation(&recording));
+        let mut next = self.next(found.verdict);
         if self.simulated.is_empty() {
             for path in &self.output {
-                write_extended(path, &found, &recording, model.as_ref())?;
+                next = write_extended(path, &found, &recording, model.as_ref())?;
             }
         } else {
             self.write_correction(&found, &recording)?;
@@ -198,7 +199,28 @@ impl Diagnose {
         if found.verdict == Verdict::InsufficientData {
             return Err(Failure::Data(found.verdict_words(&recording)));
         }
+        if self.simulated.is_empty() {
+            say!("Next: {next}");
+        }
         Ok(())
+    }
+
+    /// The command that follows where no model was written.
+    fn next(&self, verdict: Verdict) -> String {
+        let again = self.recordings.command("diagnose", self.model.as_deref());
+        match (verdict, &self.model) {
+            (Verdict::MissingPhysics | Verdict::ParametersDiffer, _) => {
+                format!("{again} -o extended.toml")
+            }
+            (Verdict::Consistent, Some(model)) => {
+                format!("preslide export {} -o stage_model.rs", model.display())
+            }
+            (Verdict::Consistent, None) => {
+                let identify = self.recordings.command("identify", None);
+                format!("{identify} -o model.toml")
+            }
+            _ => format!("{again} --report diagnosis.html"),
+        }
     }
 
     /// A model goes in one file, a correction of a simulation in a table or code.
@@ -297,28 +319,37 @@ fn is_table(path: &Path) -> bool {
     is_stdout(path) || path.extension().is_some_and(|ending| ending == "csv")
 }
 
-/// The user's model or the fit with what was found with confidence.
+/// The user's model or the fit with what was found with confidence; the command that compiles it in.
 fn write_extended(
     path: &Path,
     found: &Diagnosis,
     recording: &Recording,
     model: Option<&Model>,
-) -> Result<(), Failure> {
+) -> Result<String, Failure> {
     let extended = found.extended_model(recording, model);
     if !extended.replaces.is_empty() {
-        say!(
+        explain!(
             "{} replaces {}.",
             path.display(),
             extended.replaces.join(", ")
         );
     }
     for reason in &extended.refused {
-        say!("Not in {}: {reason}.", path.display());
+        explain!("Not in {}: {reason}.", path.display());
     }
     let mut remarks = vec![
         format!("diagnosed from {}", recording.name),
         found.verdict_words(recording),
     ];
     remarks.extend(recording.per_unit());
-    write_text(path, &extended.model.to_toml(&remarks))
+    write_text(path, &extended.model.to_toml(&remarks))?;
+    let useless = preslide_host::export::refused(&extended.model);
+    let without: String = useless
+        .iter()
+        .map(|(id, _)| format!(" --without {id}"))
+        .collect();
+    Ok(format!(
+        "preslide export {}{without} -o stage_model.rs",
+        path.display()
+    ))
 }

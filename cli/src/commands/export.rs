@@ -51,7 +51,7 @@ pub struct Export {
     cpu: String,
 
     /// Length of an encoder count for --kernel auto and for C in whole numbers (m or rad); without it, encoder_count_m of the model's [mechanics]
-    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_length)]
     count: Option<f64>,
 
     /// Write a MuJoCo joint instead: frictionloss, damping, armature; comments list what it cannot hold

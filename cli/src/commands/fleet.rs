@@ -97,11 +97,11 @@ impl Fleet {
             );
             return Ok(());
         }
-        self.tell(&self.all_rows(&members)?)
+        self.tell(&self.all_rows(&members)?, &members)
     }
 
     /// The tables, the terminal's words and the page.
-    fn tell(&self, made: &Made) -> Result<(), Failure> {
+    fn tell(&self, made: &Made, members: &[Member]) -> Result<(), Failure> {
         let rows = &made.rows;
         let changes = changes(rows, self.false_alarms);
         let columns = columns(rows, &changes);
@@ -115,7 +115,7 @@ impl Fleet {
         let wrong = rows.iter().filter_map(|r| Some((r, r.error.as_ref()?)));
         let wrong: Vec<(&Row, &String)> = wrong.collect();
         let words = self.words(rows, &ranked, wrong.len());
-        say!("{words}");
+        explain!("{words}");
         if !ranked.is_empty() {
             say!("\n{}", table(&ranked, SHOWN).to_text());
         }
@@ -124,6 +124,12 @@ impl Fleet {
         }
         if let Some(more @ 1..) = wrong.len().checked_sub(SHOWN) {
             say!("{more} more have no answer; the column `error` gives each reason.");
+        }
+        let alarm = ranked.iter().find(|(_, change)| change.alarm);
+        let changed = alarm.and_then(|(row, _)| members.iter().find(|m| m.file == row.file));
+        if let Some(changed) = changed {
+            let file = std::slice::from_ref(&changed.path);
+            say!("Next: {}", self.reading.command("diagnose", file, None));
         }
         let summary = to_json(rows, &changes, self.false_alarms, made.new);
         self.outputs

@@ -148,8 +148,8 @@ impl Identify {
         let found = motion::fit(&recording, &force, controller.as_ref(), &progress);
         let found = found.map_err(Failure::Data)?;
         progress.finish();
-        say!("{}", found.error_table(&recording).to_text());
-        say!("{}", found.table(&recording).to_text());
+        explain!("{}", found.error_table(&recording).to_text());
+        explain!("{}", found.table(&recording).to_text());
         for note in found.notes(&recording) {
             explain!("Note: {note}.");
         }
@@ -172,7 +172,7 @@ impl Identify {
         let progress = Progress::new("predict", predict::STEPS);
         let found = predict(&recording, &progress).map_err(Failure::Data)?;
         progress.finish();
-        say!("{}", found.table(&recording).to_text());
+        explain!("{}", found.table(&recording).to_text());
         for note in &found.notes {
             explain!("Note: {note}.");
         }
@@ -200,7 +200,7 @@ impl Identify {
         for warning in found.warnings() {
             tell!("warning: {warning}");
         }
-        say!("{}", found.table().to_text());
+        explain!("{}", found.table().to_text());
         for note in found.notes() {
             explain!("Note: {note}.");
         }
@@ -217,11 +217,11 @@ impl Identify {
 
 /// The tables, the notes and the recommendation.
 pub fn print(found: &Identification, recording: &Recording) {
-    say!("{}", found.rigid_body_table(recording).to_text());
-    say!("{}", found.size_table().to_text());
+    explain!("{}", found.rigid_body_table(recording).to_text());
+    explain!("{}", found.size_table().to_text());
     let tables = [found.parameter_table(), found.block_table(recording)];
     for table in tables.into_iter().flatten() {
-        say!("{}", table.to_text());
+        explain!("{}", table.to_text());
     }
     for note in found.notes(recording) {
         explain!("Note: {note}.");

@@ -365,13 +365,6 @@ impl OutputArgs {
         json: &serde_json::Value,
         page: impl FnOnce() -> Page,
     ) -> Result<(), Failure> {
-        let is_picture = |path: &&PathBuf| path.extension().is_some_and(|e| e == "png");
-        if let Some(path) = self.report.as_ref().filter(is_picture) {
-            return Err(Failure::Input(format!(
-                "--report {}: a report is a page; name it .html and save its figures from the browser",
-                path.display()
-            )));
-        }
         self.write_json(json)?;
         match &self.report {
             None => Ok(()),

@@ -83,6 +83,10 @@ pub fn check(inputs: &[&Path], own: &[Output], others: Option<&OutputArgs>) -> R
             wrong.push(format!(
                 "{named}: {other} already goes there; name another file{page}"
             ));
+        } else if *option == "--report" && path.extension().is_some_and(|e| e == "png") {
+            wrong.push(format!(
+                "{named}: a report is a page; name it .html and save its figures from the browser"
+            ));
         } else if let Err(reason) = writable(path) {
             unwritable.push(format!(
                 "cannot write {}: {reason}; name a file in a folder that exists and is writable ({option})",
@@ -117,7 +121,7 @@ fn writable(path: &Path) -> Result<(), String> {
 }
 
 /// A name in the same folder that no one else has.
-pub fn beside(path: &Path) -> PathBuf {
+fn beside(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!(".{name}.{}.part", std::process::id()))
 }

@@ -43,24 +43,42 @@ pub struct Plan {
 #[derive(Args, Clone, Copy, Debug)]
 pub struct WishArgs {
     /// Whole travel: 4mm, or 90deg with --rotary [default: four fifths of the axis's travel]
-    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
     travel: Option<f64>,
 
     /// Largest speed: 2mm/s [default: half of limits.speed]
-    #[arg(long, value_name = "SPEED", value_parser = quantity::positive_rate)]
+    #[arg(long, value_name = "SPEED", value_parser = rate)]
     speed: Option<f64>,
 
     /// Largest acceleration: 0.1m/s2 [default: half of limits.acceleration]
-    #[arg(long, value_name = "ACCELERATION", value_parser = quantity::positive_rate)]
+    #[arg(long, value_name = "ACCELERATION", value_parser = rate)]
     acceleration: Option<f64>,
 
     /// Smallest stroke between two reversals; some dozens of encoder counts [default: a thousandth of the travel]
-    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
     smallest: Option<f64>,
 
     /// Repeats, which identify holds out in turn
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
     repeats: u32,
+}
+
+/// A motion's length or speed is given with its unit: a bare 4 was meant in mm as often as in m.
+fn stated(text: &str) -> Result<&str, String> {
+    match text.trim().parse::<f64>() {
+        Ok(_) => Err(format!(
+            "`{text}` has no unit; give {text}mm, {text}m or, with --rotary, {text}deg"
+        )),
+        Err(_) => Ok(text),
+    }
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    stated(text).and_then(quantity::positive_length)
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    stated(text).and_then(quantity::positive_rate)
 }
 
 impl WishArgs {
@@ -122,8 +140,27 @@ enum What {
 }
 
 impl Plan {
+    /// The project's own axis is linear: its limits say nothing of one that turns.
+    fn check_rotary(&self) -> Result<(), Failure> {
+        let needed = [
+            ("--travel 90deg", self.wish.travel),
+            ("--speed 90deg/s", self.wish.speed),
+            ("--acceleration 720deg/s2", self.wish.acceleration),
+        ];
+        let missing = needed.iter().filter(|(_, given)| given.is_none());
+        let missing: Vec<&str> = missing.map(|(example, _)| *example).collect();
+        match !self.rotary || self.axis.is_chosen() || missing.is_empty() {
+            true => Ok(()),
+            false => Err(Failure::Input(format!(
+                "--rotary: the project's own axis.toml is of a linear axis; give {}, or --axis with limits in rad, rad/s and rad/s²",
+                missing.join(", ")
+            ))),
+        }
+    }
+
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
+        self.check_rotary()?;
         let limits = self.axis.read()?.axis().limits;
         let length = limits.travel.map(|(low, high)| high - low);
         let top = [limits.speed, limits.acceleration];

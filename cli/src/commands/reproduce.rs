@@ -27,15 +27,15 @@ impl Reproduce {
         let progress = Progress::new("reproduce", STEPS);
         let found = reproduce(self.seed, &progress).map_err(Failure::Tool)?;
         progress.finish();
-        for table in [
+        let of_paper = [
             found.size_table(),
             found.recovery_table(),
             found.column_table(),
             literal::table(&found.literal),
-            found.figure_6.table(),
-            found.experiment.table(),
-        ] {
-            say!("{}", table.to_text());
+        ];
+        let more = [found.figure_6.tables(), found.experiment.tables()];
+        for table in of_paper.iter().chain(more.iter().flatten()) {
+            explain!("{}", table.to_text());
         }
         for remark in found.remarks() {
             explain!("Note: {remark}.");

@@ -83,7 +83,7 @@ impl Simulate {
         let model = Model::load(&self.model)?;
         let (found, name) = self.simulate(&model)?;
 
-        say!("{}", found.table().to_text());
+        explain!("{}", found.table().to_text());
         for note in &found.notes {
             explain!("Note: {note}.");
         }
@@ -98,6 +98,18 @@ impl Simulate {
             return Err(Failure::Data(format!("{name}: {}", found.conclusion())));
         }
         explain!("{}", found.conclusion());
+        let compared = self.motion.as_ref().or(self.force.as_ref());
+        let compared =
+            compared.filter(|_| found.agreement.is_some() || found.position_error.is_some());
+        say!(
+            "Next: {}",
+            match compared {
+                Some(path) =>
+                    self.reading
+                        .command("diagnose", std::slice::from_ref(path), Some(&self.model)),
+                None => format!("preslide export {} -o stage_model.rs", self.model.display()),
+            }
+        );
         Ok(())
     }
 

@@ -62,7 +62,7 @@ pub struct Tune {
     budget: f64,
 
     /// Length of an encoder count, such as 25nm, 2.5urad or 25e-9 (m or rad); without it, encoder_count_m of the model's [mechanics]
-    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_length)]
     count: Option<f64>,
 
     /// First mode of the drive (rotor against load): propose an observer's gains too; needs a Maxwell-slip model
@@ -74,7 +74,7 @@ pub struct Tune {
     damping: f64,
 
     /// Noise of the encoder beside its resolution, RMS, such as 5nm
-    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate, requires = "resonance")]
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_length, requires = "resonance")]
     noise: Option<f64>,
 
     #[command(flatten)]
@@ -198,7 +198,7 @@ impl Tune {
         observer: Option<&Proposal>,
     ) -> Result<(), Failure> {
         if let Some(proposal) = observer {
-            say!("{}", proposal.table().to_text());
+            explain!("{}", proposal.table().to_text());
             json["observer"] = proposal.to_json();
         }
         self.outputs.write(&json, || {
@@ -242,7 +242,7 @@ impl Tune {
         observer: Option<&Proposal>,
         start: Instant,
     ) -> Result<(), Failure> {
-        say!("{}", tuning.table().to_text());
+        explain!("{}", tuning.table().to_text());
         for note in &tuning.notes {
             explain!("Note: {note}.");
         }
@@ -271,7 +271,7 @@ impl Tune {
         let comparison = Comparison {
             cores: CORES.iter().zip(tunings).map(on).collect(),
         };
-        say!("{}", comparison.table().to_text());
+        explain!("{}", comparison.table().to_text());
         for note in comparison.notes() {
             explain!("Note: {note}.");
         }

@@ -41,11 +41,7 @@ pub(super) fn key(kind: MotionKind, name: &str) -> &'static str {
 
 /// Unit of a rigid body parameter, for people.
 pub(super) fn unit(recording: &Recording, name: &str) -> String {
-    let (_, unit) = name_and_unit(key(recording.kind, name), recording.effort_unit());
-    match unit.as_str() {
-        "Nm" => "N·m".to_owned(),
-        _ => unit,
-    }
+    name_and_unit(key(recording.kind, name), recording.effort_unit()).1
 }
 
 /// A rigid body parameter's name for people.

@@ -6,6 +6,7 @@ use super::{Candidate, Identification, Method};
 use crate::progress::Progress;
 use crate::recording::Recording;
 use crate::report::figures::{left, quantity};
+use crate::report::units::symbol;
 use crate::signal::Kinematics;
 use crate::statistics::{Estimate, nmse};
 
@@ -393,10 +394,10 @@ impl Identification {
             self.split.unit,
             100.0 * (median(false, |l| l.gain) - 1.0),
             median(false, |l| l.offset),
-            recording.effort_unit(),
+            symbol(recording.effort_unit()),
             100.0 * (median(true, |l| l.gain) - 1.0),
             median(true, |l| l.offset),
-            recording.effort_unit(),
+            symbol(recording.effort_unit()),
             self.split.unit,
             self.nmse_with_own_levels(recording, best.nmse_train < best.nmse_test),
             self.nmse_with_own_levels(recording, best.nmse_train >= best.nmse_test),

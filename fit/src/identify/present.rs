@@ -7,6 +7,7 @@ use crate::friction::Path;
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::report::figures::{cells, digits, quantity};
+use crate::report::units::symbol;
 use crate::report::{
     Axis, Colour, DisplayUnit, Emphasis, Figure, Page, Section, Series, Style, Table, display_unit,
 };
@@ -504,10 +505,7 @@ fn breakaway(model: &Model) -> f64 {
 }
 
 fn force_unit(recording: &Recording) -> &'static str {
-    match recording.effort_unit() {
-        "Nm" => "N·m",
-        unit => unit,
-    }
+    symbol(recording.effort_unit())
 }
 
 /// The values at some samples.

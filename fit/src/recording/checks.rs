@@ -170,7 +170,7 @@ pub(super) fn sign(
         return;
     }
     let found = format!(
-        "friction would give back {1:.0} % of the work of the {0}, which it never does",
+        "friction would give back {1:.0} % of the {0}'s work, which it never does",
         role.name(),
         -100.0 * net / exchanged
     );

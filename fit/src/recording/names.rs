@@ -131,8 +131,12 @@ impl Names<'_> {
             if places::WORDS.contains(&part) {
                 return fail(format!("put your own in place of `{part}`"));
             }
+            let divides = match part.contains('/') {
+                true => "; a map multiplies: 0.5*COLUMN for COLUMN/2",
+                false => "",
+            };
             fail(format!(
-                "there is no column `{part}`; the file has {}",
+                "there is no column `{part}`; the file has {}{divides}",
                 self.columns.join(", ")
             ))
         })?;

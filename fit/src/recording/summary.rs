@@ -46,7 +46,8 @@ fn short(value: f64, unit: &str) -> String {
     let decimals = match value.abs() {
         v if v >= 100.0 || v == 0.0 => 0,
         v if v >= 10.0 => 1,
-        _ => 2,
+        v if v >= 1.0 => 2,
+        _ => 3,
     };
     format!("{value:.decimals$} {}", shown.unit)
 }

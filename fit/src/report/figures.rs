@@ -5,7 +5,13 @@ use super::display_unit;
 /// A value in the prefix that suits it: `-266 µN`.
 pub fn quantity(value: f64, unit: &str) -> String {
     let shown = display_unit(unit, value);
-    format!("{} {}", three(value * shown.factor), shown.unit)
+    let value = value * shown.factor;
+    // What has no prefix may be smaller than three decimals show.
+    let figures = match value != 0.0 && value.abs() < 0.01 {
+        true => format!("{value:.2e}").replace('-', "−"),
+        false => three(value),
+    };
+    format!("{figures} {}", shown.unit).trim_end().to_owned()
 }
 
 /// A value and how far it may be off, to two figures of that, in the prefix that suits the larger: `5.0002 ± 0.0011 mm`.

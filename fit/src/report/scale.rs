@@ -1,5 +1,7 @@
 //! The prefix of a unit that suits the data: micrometres for 2·10⁻⁵ m.
 
+use super::units::symbol;
+
 /// A unit to show values in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DisplayUnit {
@@ -12,10 +14,9 @@ pub struct DisplayUnit {
 /// Units that take the small prefixes only; nobody reads kiloseconds.
 const SMALL: [&str; 6] = ["m", "s", "rad", "m/s", "rad/s", "A"];
 /// Units that take small and large prefixes.
-const SMALL_AND_LARGE: [&str; 13] = [
+const SMALL_AND_LARGE: [&str; 12] = [
     "N",
     "N·m",
-    "Nm",
     "N/m",
     "N·m/rad",
     "N·s/m",
@@ -41,14 +42,18 @@ const PREFIXES: [(&str, f64, f64); 8] = [
 
 /// Chooses the prefix for data in `unit` whose largest magnitude is `largest` (same unit; zero or not finite: none).
 ///
-/// The largest value shown then lies in 1…1000, save that values from 0.1 up keep the unit itself: 0.9 N, not 900 mN.
+/// The largest value shown then lies in 1…1000, save that values from 0.1 up keep the unit itself where it is no length or speed: 0.9 N, not
+/// 900 mN, but 246 mm.
 /// Units other than the known mechanical and electrical ones stay as they are.
 pub fn display_unit(unit: &str, largest: f64) -> DisplayUnit {
-    let largest = largest.abs();
+    let (unit, largest) = (symbol(unit), largest.abs());
     let small_only = SMALL.contains(&unit);
     let known = small_only || SMALL_AND_LARGE.contains(&unit);
     let fits = |&&(prefix, power, _): &&(&str, f64, f64)| {
-        let least = if prefix.is_empty() { 0.1 } else { power };
+        let least = match prefix.is_empty() && !unit.starts_with('m') {
+            true => 0.1,
+            false => power,
+        };
         (power <= 1.0 || !small_only) && largest >= least
     };
     let (prefix, factor) = if known && largest.is_finite() && largest > 0.0 {
@@ -76,7 +81,8 @@ mod tests {
         for (unit, largest, shown, factor) in [
             ("m", 4e-5, "µm", 1e6),
             ("m", -2.5e-8, "nm", 1e9),
-            ("m", 0.19, "m", 1.0),
+            ("m", 0.246, "mm", 1e3),
+            ("Nm", 0.19, "N·m", 1.0),
             ("m", 5e3, "m", 1.0),
             ("N", 0.9, "N", 1.0),
             ("N", 0.05, "mN", 1e3),

@@ -13,7 +13,7 @@ const UNITS: [(&str, &str); 17] = [
     ("_m_s", "m/s"),
     ("_per_K", "1/K"),
     ("_rad", "rad"),
-    ("_Nm", "Nm"),
+    ("_Nm", "N·m"),
     ("_Hz", "Hz"),
     ("_kg", "kg"),
     ("_N", "N"),
@@ -23,18 +23,29 @@ const UNITS: [(&str, &str); 17] = [
 
 /// Name and unit of a key where the effort is in a unit of its own: `viscous_Nm_s_per_rad` in A is viscous, in A·s/rad.
 pub fn name_and_unit(key: &str, effort: &str) -> (String, String) {
+    // What differs by direction has it behind its key.
+    let (key, direction) = key.split_once(' ').unwrap_or((key, ""));
     let unit = UNITS
         .iter()
         .find_map(|(ending, unit)| Some((key.strip_suffix(ending)?, *unit)));
     let (name, unit) = unit.unwrap_or((key, ""));
-    (name.replace('_', " "), in_effort(unit, effort))
+    let name = format!("{name} {direction}").replace(['_', '.'], " ");
+    (name.trim_end().to_owned(), in_effort(unit, effort))
+}
+
+/// A unit as people write it: the `Nm` of a recording's columns is N·m.
+pub fn symbol(unit: &str) -> &str {
+    match unit {
+        "Nm" => "N·m",
+        unit => unit,
+    }
 }
 
 fn in_effort(unit: &str, effort: &str) -> String {
     if matches!(effort, "N" | "Nm") {
         return unit.to_owned();
     }
-    let rest = ["N·m", "Nm", "N"].into_iter().find_map(|force| {
+    let rest = ["N·m", "N"].into_iter().find_map(|force| {
         let rest = unit.strip_prefix(force)?;
         (rest.is_empty() || rest.starts_with(['·', '/'])).then_some(rest)
     });

@@ -71,18 +71,22 @@ impl Simulation {
     /// The columns' ranges and, where there is one, the agreement with the measurement.
     pub fn table(&self) -> Table {
         let (x, f) = self.units();
-        let row = |name: &str, values: &[f64]| {
-            let [low, high] = range(values);
-            vec![name.to_owned(), format!("{low:.5e}"), format!("{high:.5e}")]
+        let row = |name: &str, values: &[f64], unit: &str| {
+            let ends = range(values).map(|end| quantity(end, unit));
+            [vec![name.to_owned()], Vec::from(ends)].concat()
         };
         let mut rows = vec![
-            row("time [s]", &self.t_s),
-            row(&format!("position [{x}]"), &self.position),
+            row("time", &self.t_s, "s"),
+            row("position", &self.position, x),
         ];
         if let Some(velocity) = &self.velocity {
-            rows.push(row(&format!("velocity [{x}/s]"), velocity));
+            rows.push(row("velocity", velocity, &format!("{x}/s")));
         }
-        rows.push(row(&format!("force [{f}]"), &self.force));
+        let effort = match self.kind {
+            MotionKind::Linear => "force",
+            MotionKind::Rotary => "torque",
+        };
+        rows.push(row(effort, &self.force, f));
         Table {
             caption: format!("{} samples", self.t_s.len()),
             head: ["", "lowest", "highest"].map(str::to_owned).to_vec(),

@@ -145,7 +145,7 @@ pub fn capture(
     rows: Option<u64>,
     mut progress: impl FnMut(),
 ) -> Result<Summary, CaptureError> {
-    let mut recorder = Recorder::begin(to, scale, rows)?;
+    let mut recorder = Recorder::new(to, scale, rows);
     let mut deframer = Deframer::new();
     let mut bytes = 0;
     let mut buffer = [0; 4096];
@@ -195,21 +195,16 @@ pub struct Recorder<W: Write> {
 }
 
 impl<W: Write> Recorder<W> {
-    /// Writes the header; the recording is complete after so many rows.
-    ///
-    /// # Errors
-    /// [`CaptureError::Write`].
-    pub fn begin(to: W, scale: &Scale, rows: Option<u64>) -> Result<Self, CaptureError> {
-        let mut to = BufWriter::new(to);
-        writeln!(to, "{}", scale.header()).map_err(CaptureError::Write)?;
-        Ok(Self {
-            to,
+    /// Complete after so many rows. Nothing is written before the first.
+    pub fn new(to: W, scale: &Scale, rows: Option<u64>) -> Self {
+        Self {
+            to: BufWriter::new(to),
             scale: *scale,
             rows,
             summary: Summary::default(),
             last: None,
             row: Mean::default(),
-        })
+        }
     }
 
     /// Takes a sample; whether the recording has ended: complete, or the controller restarted.
@@ -250,6 +245,9 @@ impl<W: Write> Recorder<W> {
         }
         self.row.add(sample);
         if sample.tick - self.row.after >= scale.every {
+            if summary.rows == 0 {
+                writeln!(self.to, "{}", scale.header()).map_err(CaptureError::Write)?;
+            }
             self.row
                 .write(&mut self.to, scale)
                 .map_err(CaptureError::Write)?;

@@ -137,8 +137,9 @@ fn silence_and_noise_are_errors() {
         let error = capture(line, Vec::new(), &scale(1), None, || {}).expect_err("no telemetry");
         assert!(error.to_string().contains("no telemetry"), "{error}");
     }
-    let short = telemetry(1..5);
-    let error = capture(&short[..], Vec::new(), &scale(20), None, || {}).expect_err("short");
+    let (short, mut csv) = (telemetry(1..5), Vec::new());
+    let error = capture(&short[..], &mut csv, &scale(20), None, || {}).expect_err("short");
+    assert!(csv.is_empty(), "no row, no header");
     assert!(
         matches!(error, CaptureError::NoTelemetry { samples: 4, .. }),
         "{error}"

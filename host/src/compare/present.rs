@@ -4,7 +4,8 @@ use super::{Compared, Comparison, NEAR, TICK};
 use preslide_fit::friction::FrictionModel;
 use preslide_fit::identify::family::bench::SEED;
 use preslide_fit::recording::{MotionKind, Recording};
-use preslide_fit::report::figures::digits;
+use preslide_fit::report::figures::quantity;
+use preslide_fit::report::units::name_and_unit;
 use preslide_fit::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
 use serde_json::{Value, json};
 
@@ -22,23 +23,26 @@ impl Compared {
         toml::from_str(&self.candidate.model.to_toml(&[])).unwrap_or(Value::Null)
     }
 
-    /// `key value, key value, …`.
-    pub fn parameters_in_words(&self) -> String {
-        fn words(value: &Value, skip: &[&str]) -> String {
+    /// `name value, name value, …`, for an effort in such a unit.
+    pub fn parameters_in_words(&self, effort: &str) -> String {
+        fn words(value: &Value, effort: &str) -> String {
             let pairs = value.as_object().into_iter().flatten();
-            let pairs = pairs.filter(|(key, _)| !skip.contains(&key.as_str()));
             let said = pairs.filter_map(|(key, value)| match value {
-                Value::Number(number) => Some(format!("{key} {}", digits(number.as_f64()?))),
+                Value::Number(number) => {
+                    let (name, unit) = name_and_unit(key, effort);
+                    Some(format!("{name} {}", quantity(number.as_f64()?, &unit)))
+                }
+                Value::String(id) if key == "id" => Some(id.replace('_', " ")),
                 Value::Array(items) => {
-                    let items: Vec<String> = items.iter().map(|i| words(i, &[])).collect();
+                    let items: Vec<String> = items.iter().map(|i| words(i, effort)).collect();
                     Some(format!("{key} ({})", items.join("; ")))
                 }
-                Value::Object(_) => Some(words(value, &["kind"])),
+                Value::Object(_) => Some(words(value, effort)),
                 _ => None,
             });
             said.collect::<Vec<_>>().join(", ")
         }
-        words(&self.file(), &[])
+        words(&self.file(), effort)
     }
 
     fn memory_in_words(&self) -> &'static str {
@@ -145,11 +149,9 @@ impl Comparison {
         .column("parameters", |(_, m)| {
             m.candidate.fitted_parameters().to_string()
         })
-        .column(format!("loop closure {unit}"), |(_, m)| {
-            format!("{:.1e}", m.memory.largest)
-        })
+        .column("loop closure", |(_, m)| quantity(m.memory.largest, unit))
         .column("of range", |(_, m)| match m.memory.range > 0.0 {
-            true => format!("{:.1e}", m.memory.largest / m.memory.range),
+            true => quantity(100.0 * m.memory.largest / m.memory.range, "%"),
             false => "–".to_owned(),
         })
         .column("memory", |(_, m)| m.memory_in_words().to_owned())
@@ -162,28 +164,25 @@ impl Comparison {
         .table()
     }
 
-    /// The parameters of every model, by their keys in model files.
-    pub fn parameter_table(&self) -> Table {
-        Table::of("Parameters, by their keys in model files", &self.models)
+    /// The parameters of every model.
+    fn parameter_table(&self, recording: &Recording) -> Table {
+        let effort = recording.effort_unit();
+        Table::of("Parameters", &self.models)
             .column("model", |m| m.name())
-            .column("parameters", |m| m.parameters_in_words())
+            .column("parameters", |m| m.parameters_in_words(effort))
             .table()
     }
 
     /// How far each nested loop is from closing.
     fn memory_table(&self, recording: &Recording) -> Table {
-        Table::of(format!(
-                "|force on return − force at the reversal| {}, the widest inner loop first, each half as wide as the one before",
-                recording.effort_unit()
-            ), &self.models).column("model", |m| m.name()).column(format!("widest {}", recording.position_unit()), |m| {
+        let force = |e: f64| quantity(e, recording.effort_unit());
+        Table::of("|force on return − force at the reversal|, the widest inner loop first, each half as wide as the one before", &self.models).column("model", |m| m.name()).column("widest", |m| {
                     let widest = m.memory.widths.first();
-                    widest.map_or(String::new(), |w| format!("{w:.1e}"))
+                    widest.map_or(String::new(), |w| quantity(*w, recording.position_unit()))
                 }).column("errors", |m| {
-                    let errors = m.memory.errors.iter().map(|e| format!("{e:.1e}"));
+                    let errors = m.memory.errors.iter().map(|e| force(*e));
                     errors.collect::<Vec<_>>().join(", ")
-                }).column("worst at a hundredth of the speed", |m| {
-                    format!("{:.1e}", m.memory.largest_slow)
-                }).table()
+                }).column("worst at a hundredth of the speed", |m| force(m.memory.largest_slow)).table()
     }
 
     /// The report page.
@@ -208,7 +207,7 @@ impl Comparison {
             sections: vec![
                 section(
                     "Models",
-                    vec![self.table(recording), self.parameter_table()],
+                    vec![self.table(recording), self.parameter_table(recording)],
                     vec![loops, sizes, costs],
                     vec![measure],
                 ),

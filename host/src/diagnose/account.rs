@@ -43,7 +43,7 @@ impl Named {
 }
 
 /// A parameter by its key in a model file, of an effort in such a unit: `period 2.50 ± 0.01 mm`.
-fn parameter(key: &str, known: &Estimate, effort: &str) -> String {
+pub(super) fn parameter(key: &str, known: &Estimate, effort: &str) -> String {
     let (name, unit) = name_and_unit(key, effort);
     let size = estimate(known.value, known.ci95, &unit);
     format!("{name} {size}").trim_end().to_owned()
@@ -214,16 +214,7 @@ impl Diagnosis {
     /// The parameters of the user's model that are wrong, given and refitted.
     fn wrong_parameters(&self, recording: &Recording) -> String {
         let wrong = self.wrong();
-        let told = wrong.take(TOLD).map(|p| {
-            let (name, unit) = name_and_unit(&p.key, recording.effort_unit());
-            let [given, found] = [
-                estimate(p.given, None, &unit),
-                estimate(p.found.value, p.found.ci95, &unit),
-            ];
-            format!("{name} {} → {found}", given.trim_end())
-                .trim_end()
-                .to_owned()
-        });
+        let told = wrong.take(TOLD).map(|p| p.change(recording.effort_unit()));
         told.collect::<Vec<_>>().join(", ")
     }
 

@@ -12,6 +12,7 @@ use super::unnamed::Happened;
 use super::verdict::Diagnosis;
 use preslide_fit::recording::Recording;
 use preslide_fit::report::figures::{between, capital, quantity};
+use preslide_fit::report::units::symbol;
 use preslide_fit::report::{self, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
 use preslide_fit::statistics::{bounds, quantile_between_ranks};
 
@@ -81,7 +82,7 @@ impl Diagnosis {
                 self.missing_section(recording),
             ]
             .into_iter()
-            .chain(self.given_section())
+            .chain(self.given_section(recording))
             .chain(self.fit_section(recording))
             .chain(self.second_position(recording))
             .chain([
@@ -97,11 +98,11 @@ impl Diagnosis {
     }
 
     /// The user's model as it stands and refitted.
-    fn given_section(&self) -> Option<Section> {
+    fn given_section(&self, recording: &Recording) -> Option<Section> {
         Some(Section {
             heading: "Your model".to_owned(),
             paragraphs: vec![format!("{}.", capital(&self.given_words()?))],
-            tables: self.given_table().into_iter().collect(),
+            tables: self.given_table(recording).into_iter().collect(),
             ..Section::default()
         })
     }
@@ -451,10 +452,7 @@ impl Diagnosis {
 }
 
 fn unit_of(recording: &Recording) -> &'static str {
-    match recording.effort_unit() {
-        "Nm" => "N·m",
-        other => other,
-    }
+    symbol(recording.effort_unit())
 }
 
 /// As many values as a cloud has points.

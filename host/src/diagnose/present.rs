@@ -1,5 +1,6 @@
 //! A diagnosis for machines, and its table.
 
+use super::account::parameter;
 use super::candidate::Candidate;
 use super::given::Refitted;
 use super::named::Named;
@@ -12,7 +13,7 @@ use preslide_fit::effects::form;
 use preslide_fit::model::key_of;
 use preslide_fit::recording::Recording;
 use preslide_fit::report::Table;
-use preslide_fit::report::figures::{digits, probability};
+use preslide_fit::report::figures::probability;
 use serde_json::{Map, Value, json};
 
 impl SecondPosition {
@@ -128,24 +129,16 @@ impl Diagnosis {
     }
 
     /// The parameters of the user's model, given and refitted, for the terminal and the page.
-    pub fn given_table(&self) -> Option<Table> {
+    pub fn given_table(&self, recording: &Recording) -> Option<Table> {
         let given = self
             .given_model
             .as_ref()
             .filter(|g| !g.parameters.is_empty())?;
         let row = |p: &Refitted| {
-            let reach = p
-                .found
-                .reach()
-                .map_or(String::new(), |r| format!(" ± {}", digits(r)));
             let differs = if p.differs { "differs" } else { "" };
-            vec![
-                p.key.clone(),
-                digits(p.given),
-                format!("{}{reach}", digits(p.found.value)),
-                format!("{:.3}", p.worth),
-                differs.to_owned(),
-            ]
+            let mut cells = Vec::from(p.words(recording.effort_unit()));
+            cells.extend([format!("{:.3}", p.worth), differs.to_owned()]);
+            cells
         };
         Some(Table {
             caption: "Parameters of the model, given and refitted; worth: what the difference alone leaves, % of the variance".to_owned(),
@@ -159,17 +152,10 @@ impl Diagnosis {
     /// Effects, for the terminal and the page.
     pub fn table(&self, recording: &Recording) -> Table {
         let row = |e: &Named| {
-            let value = |(name, p): &(String, preslide_fit::statistics::Estimate)| {
-                let reach = p
-                    .reach()
-                    .map_or(String::new(), |r| format!(" ± {}", digits(r)));
-                format!(
-                    "{} {}{reach}",
-                    key_of(recording.kind, name),
-                    digits(p.value)
-                )
-            };
-            let parameters: Vec<String> = e.parameters.iter().map(value).collect();
+            let parameters = e.parameters.iter().map(|(key, p)| {
+                parameter(&key_of(recording.kind, key), p, recording.effort_unit())
+            });
+            let parameters: Vec<String> = parameters.collect();
             let nmse = |v: f64| finite(v).map_or("–".to_owned(), |v| format!("{v:.3}"));
             vec![
                 e.id().to_owned(),

@@ -13,8 +13,9 @@ use super::verdict::{Diagnosis, Verdict};
 use preslide_fit::effects::form;
 use preslide_fit::recording::Recording;
 use preslide_fit::report::figures::{
-    between, capital, duration, left, percent, probability, quantity, three,
+    between, capital, duration, estimate, left, percent, probability, quantity,
 };
+use preslide_fit::report::units::name_and_unit;
 use preslide_fit::statistics::quantile_between_ranks;
 
 /// NMSE (%) up to which what is left without a name is a trifle: a twentieth of the effort's deviation.
@@ -105,14 +106,21 @@ impl Named {
 }
 
 impl Refitted {
-    /// From what to what: `mass_kg from 9.622 to 12.9 ± 0.05`.
-    fn words(&self) -> String {
-        let [given, found] = [self.given, self.found.value].map(three);
-        let reach = self
-            .found
-            .reach()
-            .map_or(String::new(), |r| format!(" ± {}", three(r)));
-        format!("{} from {given} to {found}{reach}", self.key)
+    /// Its name for people, and of an effort in such a unit what it is given and what was found.
+    pub(super) fn words(&self, effort: &str) -> [String; 3] {
+        let (name, unit) = name_and_unit(&self.key, effort);
+        let found = estimate(self.found.value, self.found.ci95, &unit);
+        [
+            name,
+            quantity(self.given, &unit),
+            found.trim_end().to_owned(),
+        ]
+    }
+
+    /// From what to what: `mass 9.62 kg → 12.90 ± 0.05 kg`.
+    pub(super) fn change(&self, effort: &str) -> String {
+        let [name, given, found] = self.words(effort);
+        format!("{name} {given} → {found}")
     }
 }
 
@@ -362,10 +370,10 @@ impl Diagnosis {
             }
             Verdict::ParametersDiffer => {
                 let wrong = self.wrong();
-                let keys: Vec<&str> = wrong.map(|p| p.key.as_str()).collect();
+                let names: Vec<String> = wrong.map(|p| name_and_unit(&p.key, "").0).collect();
                 format!(
                     "parameters-differ: no physics is named, but {} ({figures})",
-                    match keys.as_slice() {
+                    match names.as_slice() {
                         [one] => format!("{one} is wrong"),
                         many => format!("{} are wrong", many.join(", ")),
                     }
@@ -391,7 +399,7 @@ impl Diagnosis {
         };
         let mut clauses = vec![verdict];
         let wrong = self.wrong();
-        let wrong: Vec<&str> = wrong.map(|p| p.key.as_str()).collect();
+        let wrong: Vec<String> = wrong.map(|p| name_and_unit(&p.key, "").0).collect();
         if !wrong.is_empty() && self.verdict != Verdict::ParametersDiffer {
             clauses.push(format!("wrong in the model: {}", wrong.join(", ")));
         }
@@ -476,7 +484,7 @@ impl Diagnosis {
                 each.dedup();
                 each.join(" Also: ")
             }
-            (Verdict::ParametersDiffer, _) => self.correct(),
+            (Verdict::ParametersDiffer, _) => self.correct(recording),
             (Verdict::InsufficientData, _) => "record strokes over the whole travel at several speeds, in both directions, with the effort of the motor (`preslide diagnose … --experiment motion.csv` writes such a motion).".to_owned(),
             _ if self.displacement_factor().is_some() => {
                 "identify the model's hysteresis again (`preslide identify`); its law can stay.".to_owned()
@@ -496,8 +504,8 @@ impl Diagnosis {
         let names: f64 = self.budget.iter().map(|item| item.nmse).sum();
         let [parameters, _] = self.before_the_baseline();
         let (first, then) = match parameters > names {
-            true => (self.correct(), advice),
-            false => (advice, self.correct()),
+            true => (self.correct(recording), advice),
+            false => (advice, self.correct(recording)),
         };
         format!("Recommendation: {first} Also: {then}")
     }
@@ -557,9 +565,9 @@ impl Diagnosis {
     }
 
     /// Where numbers of the model are wrong.
-    fn correct(&self) -> String {
+    fn correct(&self, recording: &Recording) -> String {
         let wrong = self.wrong();
-        let each: Vec<String> = wrong.map(Refitted::words).collect();
+        let each: Vec<String> = wrong.map(|p| p.change(recording.effort_unit())).collect();
         let is_constant = |p: &Refitted| p.key.starts_with(form::CONSTANT_FORCE.id);
         let either = match self.wrong().any(is_constant) {
             true => {

@@ -7,6 +7,7 @@
 #[cfg(test)]
 mod tests;
 
+use preslide_fit::report::figures::duration;
 use std::fmt::Write;
 
 /// What a motion should show.
@@ -53,6 +54,10 @@ const SLOWEST: f64 = 4.0;
 /// Rest after a group (s): long enough to see that nothing creeps.
 const REST: f64 = 0.1;
 
+/// The longest plan (s) and the most rows: beyond that an option was mistaken.
+const LONGEST: f64 = 3600.0;
+const MOST: f64 = 2e6;
+
 /// A planned motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
@@ -76,8 +81,7 @@ pub fn plan(wish: &Wish) -> Result<Plan, String> {
         wish,
         at: 0.0,
         repeat: 1,
-        rows: vec![(0.0, 1)],
-        strokes: Vec::new(),
+        pieces: Vec::new(),
     };
     for repeat in 1..=wish.repeats {
         path.repeat = repeat;
@@ -94,11 +98,11 @@ pub fn plan(wish: &Wish) -> Result<Plan, String> {
         path.go(0.0, wish.speed);
         path.rest(REST);
     }
-    let reversals = path
-        .strokes
-        .windows(2)
-        .filter(|pair| pair[0] * pair[1] < 0.0);
-    let sizes = path.strokes.iter().map(|stroke| stroke.abs());
+    path.check()?;
+    let strokes = path.pieces.iter().map(|piece| piece.to - piece.from);
+    let strokes: Vec<f64> = strokes.filter(|stroke| *stroke != 0.0).collect();
+    let reversals = strokes.windows(2).filter(|pair| pair[0] * pair[1] < 0.0);
+    let sizes = strokes.iter().map(|stroke| stroke.abs());
     let bounds = sizes.fold((f64::MAX, 0.0_f64), |(low, high), s| {
         (low.min(s), high.max(s))
     });
@@ -106,7 +110,7 @@ pub fn plan(wish: &Wish) -> Result<Plan, String> {
         rate: wish.rate,
         reversals: reversals.count() as u32,
         strokes: bounds,
-        rows: path.rows,
+        rows: path.rows(),
     })
 }
 
@@ -146,11 +150,52 @@ struct Path<'a> {
     wish: &'a Wish,
     at: f64,
     repeat: u32,
-    rows: Vec<(f64, u32)>,
-    strokes: Vec<f64>,
+    pieces: Vec<Piece>,
+}
+
+/// A stroke, or a rest from and to the same place.
+struct Piece {
+    from: f64,
+    to: f64,
+    rows: f64,
+    repeat: u32,
 }
 
 impl Path<'_> {
+    /// Sees to it that it ends in time, before anything is made of it.
+    fn check(&self) -> Result<(), String> {
+        let rows: f64 = self.pieces.iter().map(|piece| piece.rows).sum();
+        let seconds = rows / self.wish.rate;
+        if seconds > LONGEST {
+            return Err(format!(
+                "the motion would last {}, and an hour is the most; raise --speed or --acceleration, or lower --travel or --repeats",
+                duration(seconds)
+            ));
+        }
+        if rows > MOST {
+            return Err(format!(
+                "the motion would have {rows:.0} rows in {}, and {MOST:.0} are the most; lower --rate",
+                duration(seconds)
+            ));
+        }
+        Ok(())
+    }
+
+    /// Position and repeat at each row.
+    fn rows(&self) -> Vec<(f64, u32)> {
+        let mut rows = vec![(0.0, 1)];
+        for piece in &self.pieces {
+            let last = piece.rows as u32;
+            rows.extend((1..=last).map(|row| {
+                let s = f64::from(row) / f64::from(last);
+                let share = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+                let by = (piece.to - piece.from) * share;
+                (piece.from + by, piece.repeat)
+            }));
+        }
+        rows
+    }
+
     /// Strokes that shrink around here, then grow again by the same turning points: loops inside loops, closed.
     fn nested(&mut self, speed: f64) {
         let centre = self.at;
@@ -197,21 +242,23 @@ impl Path<'_> {
         let gentle = (10.0 / 3.0_f64.sqrt() * by.abs() / self.wish.acceleration).sqrt();
         let time = (1.875 * by.abs() / speed).max(gentle);
         // A row more, so that sampling does not sharpen the peaks.
-        let rows = (time * self.wish.rate).ceil() as u32 + 1;
-        let from = self.at;
-        for row in 1..=rows {
-            let s = f64::from(row) / f64::from(rows);
-            let share = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
-            self.rows.push((from + by * share, self.repeat));
-        }
-        self.at = to;
-        self.strokes.push(by);
+        let rows = (time * self.wish.rate).ceil() + 1.0;
+        self.piece(to, rows);
     }
 
     fn rest(&mut self, time: f64) {
-        let rows = (time * self.wish.rate).ceil() as usize;
-        let row = (self.at, self.repeat);
-        self.rows.extend(std::iter::repeat_n(row, rows));
+        self.piece(self.at, (time * self.wish.rate).ceil());
+    }
+
+    fn piece(&mut self, to: f64, rows: f64) {
+        let (from, repeat) = (self.at, self.repeat);
+        self.pieces.push(Piece {
+            from,
+            to,
+            rows,
+            repeat,
+        });
+        self.at = to;
     }
 }
 

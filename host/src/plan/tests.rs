@@ -76,3 +76,21 @@ fn everything_that_is_wrong_is_named_at_once() {
         assert!(error.contains(name), "{error}");
     }
 }
+
+/// As long as it would be: nothing is made of it first.
+#[test]
+fn a_plan_without_end_is_refused_with_its_length() {
+    for (wish, says) in [
+        (
+            Wish {
+                speed: 1e-8,
+                ..WISH
+            },
+            ["minutes", "--speed"],
+        ),
+        (Wish { rate: 1e9, ..WISH }, ["rows", "--rate"]),
+    ] {
+        let error = plan(&wish).expect_err("too long");
+        assert!(says.iter().all(|word| error.contains(word)), "{error}");
+    }
+}

@@ -40,30 +40,17 @@ impl Comparison {
     /// A row for each core.
     pub fn table(&self) -> Table {
         let head = [
-            "core",
-            "figures",
-            "MHz",
-            "N",
-            "kernel",
-            "numbers",
-            "rounding %",
-            "NMSE %",
-            "cycles",
-            "worst",
-            "µs",
-            "share",
+            "core", "MHz", "N", "kernel", "rounding", "NMSE", "cycles", "worst", "µs", "share",
         ];
         let row = |on: &OnCore| {
             let mut cells = vec![
                 on.core.title.to_owned(),
-                on.core.standing.word().to_owned(),
                 format!("{:.0}", 1e-6 * on.tuning.budget.clock),
             ];
             match on.chosen() {
                 Some(c) => cells.extend([
                     c.cost.blocks.to_string(),
                     c.kernel.name().to_owned(),
-                    c.kernel.numbers().to_owned(),
                     format!("{:.4}", c.arithmetic),
                     c.nmse_test
                         .map_or("–".to_owned(), |nmse| format!("{nmse:.3}")),
@@ -82,7 +69,7 @@ impl Comparison {
         let rate = self.cores.first().map_or(0.0, |on| on.tuning.budget.rate);
         Table {
             caption: format!(
-                "What each core should run at {rate:.0} Hz, inlined into a control tick; rounding in % of the breakaway force, NMSE held out, µs and share at worst"
+                "What each core should run at {rate:.0} Hz, inlined into a control tick; rounding, % of the breakaway force; NMSE held out, %; µs and share at worst"
             ),
             head: head.map(str::to_owned).to_vec(),
             rows: self.cores.iter().map(row).collect(),

@@ -27,7 +27,7 @@ impl Tuning {
             let chosen = matches!(self.recommended, Ok((best, _)) if best == index);
             match (chosen, c.fits(self.budget)) {
                 (true, _) => "use this",
-                (_, false) => "over budget",
+                (_, false) => "over",
                 _ => "",
             }
         };
@@ -37,17 +37,17 @@ impl Tuning {
         };
         let tick_share = |worst: f64| format!("{:.1} %", 100.0 * self.budget.share_of(worst));
         Table::of(format!(
-                "Cost of a friction update {how} at {:.0} Hz and {:.0} MHz ({}); NMSE held out, rounding in % of the breakaway force, the whole tick and shares of the processor at worst",
+                "Cost of a friction update {how} at {:.0} Hz and {:.0} MHz ({}); NMSE held out, %; rounding, % of the breakaway force; cycles and shares of the processor, the whole tick at worst; flash and RAM, bytes",
                 self.budget.rate,
                 self.budget.clock * 1e-6,
                 self.origin
-            ), self.choices.iter().enumerate()).column("N", |(_, c)| c.cost.blocks.to_string()).column("kernel", |(_, c)| c.kernel.name().to_owned()).column("NMSE %", |(_, c)| {
+            ), self.choices.iter().enumerate()).column("N", |(_, c)| c.cost.blocks.to_string()).column("kernel", |(_, c)| c.kernel.name().to_owned()).column("NMSE", |(_, c)| {
                     c.nmse_test.map_or("–".to_owned(), |e| format!("{e:.3}"))
-                }).column("rounding %", |(_, c)| format!("{:.4}", c.arithmetic)).column("cycles", |(_, c)| format!("{:.0}", c.cost.cycles_mean)).column("worst", |(_, c)| format!("{:.0}", c.cost.cycles_worst)).column("share", |(_, c)| format!("{:.2} %", 100.0 * c.share)).column("tick", |(_, c)| {
+                }).column("rounding", |(_, c)| format!("{:.4}", c.arithmetic)).column("cycles", |(_, c)| format!("{:.0}", c.cost.cycles_mean)).column("worst", |(_, c)| format!("{:.0}", c.cost.cycles_worst)).column("share", |(_, c)| format!("{:.2} %", 100.0 * c.share)).column("tick", |(_, c)| {
                     whole(c.tick.map_or(f64::NAN, |tick| tick.worst))
                 }).column("share", |(_, c)| {
                     c.tick.map_or("–".to_owned(), |tick| tick_share(tick.worst))
-                }).column("flash B", |(_, c)| whole(c.cost.flash_bytes)).column("RAM B", |(_, c)| whole(c.cost.ram_bytes)).column("", |(i, c)| mark(*i, c).to_owned()).table()
+                }).column("flash", |(_, c)| whole(c.cost.flash_bytes)).column("RAM", |(_, c)| whole(c.cost.ram_bytes)).column("", |(i, c)| mark(*i, c).to_owned()).table()
     }
 
     /// `preslide.tuning/1`.

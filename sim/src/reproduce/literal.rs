@@ -106,7 +106,7 @@ pub fn table(found: &[Literal]) -> Table {
             }).column("at the turn [N]", |literal| significant(literal.force[0])).column("2 µm later [N]", |literal| significant(literal.force[1])).column("due", |literal| significant(literal.mended[1])).column("back at 0 [N]", |literal| match literal.force[2] {
                 back if back.abs() < 1e3 => significant(back),
                 back => format!("{back:.1e}"),
-            }).column("due", |literal| significant(literal.mended[2])).column("blocks that stuck again", |literal| {
+            }).column("due", |literal| significant(literal.mended[2])).column("stuck again", |literal| {
                 literal.stuck_again.to_string()
             }).table()
 }

@@ -1,7 +1,7 @@
 //! The study for people and for machines: all models on Figure 6, the experiment, and errors against cycles.
 
 use super::experiment::{Experiment, Interval, REPEATS, VARIABILITY};
-use super::figure_6::{Figure6, Origin};
+use super::figure_6::{Figure6, Origin, Row};
 use super::{Reproduction, significant};
 use preslide_fit::friction::FrictionModel;
 use preslide_fit::report::{Axis, Colour, Emphasis, Figure, Section, Series, Style, Table};
@@ -37,34 +37,53 @@ fn interval_json(interval: &Interval) -> Value {
 
 impl Figure6 {
     /// All models by what the paper asks of them.
-    pub fn table(&self) -> Table {
-        Table::of("All models on the ten-block curve with inner loops (Figure 6): drift under 0.45 ± 0.05 N, cycles of a step in the tick of a Cortex-M4F in f32", &self.rows).column("model", |row| row.name.clone()).column("parameters", |row| match row.origin {
-                    Origin::Paper => "paper".to_owned(),
-                    Origin::Fitted => "fitted here".to_owned(),
-                }).column("virgin NMSE [%]", |row| significant(row.nmse_virgin)).column("NMSE [%]", |row| significant(row.nmse)).column("best NMSE of its form [%]", |row| {
-                    row.nmse_best.map_or("–".to_owned(), significant)
-                }).column("loop closure error [N]", |row| {
-                    format!("{:.1e}", row.closure.largest)
-                }).column("inner loops", |row| {
-                    let closure = &row.closure;
-                    match (closure.is_nonlocal(), closure.remembers) {
-                        (true, _) => "closes".to_owned(),
-                        (false, true) => {
-                            format!("open, {:.2} %", 100.0 * closure.largest / closure.range)
-                        }
-                        (false, false) => "no loops".to_owned(),
-                    }
-                }).column("drift [nm/cycle]", |row| {
-                    row.drift.map_or("slides away".to_owned(), |d| {
-                        format!("{:.3}", (1e9 * d).abs())
-                    })
-                }).column("stick-slip", |row| match row.stick_slip {
-                    Some(true) => "yes".to_owned(),
-                    Some(false) => "no".to_owned(),
-                    None => "no (no Stribeck curve)".to_owned(),
-                }).column("to identify", |row| row.parameters.to_string()).column("cycles", |row| {
-                    cycles_text(row.cost.as_ref().map(|c| c.cycles_mean))
-                }).table()
+    pub fn tables(&self) -> [Table; 2] {
+        let origin = |row: &Row| match row.origin {
+            Origin::Paper => "paper".to_owned(),
+            Origin::Fitted => "fitted here".to_owned(),
+        };
+        let errors = Table::of("All models on the ten-block curve with inner loops (Figure 6): NMSE, %, on the virgin curve, with inner loops, and of the best of its form; cycles of a step in the tick of a Cortex-M4F in f32", &self.rows)
+            .column("model", |row| row.name.clone())
+            .column("parameters", |row| origin(row))
+            .column("virgin", |row| significant(row.nmse_virgin))
+            .column("NMSE", |row| significant(row.nmse))
+            .column("best of form", |row| {
+                row.nmse_best.map_or("–".to_owned(), significant)
+            })
+            .column("to identify", |row| row.parameters.to_string())
+            .column("cycles", |row| {
+                cycles_text(row.cost.as_ref().map(|c| c.cycles_mean))
+            });
+        let loops = Table::of(
+            "How the same close their loops, and drift under 0.45 ± 0.05 N",
+            &self.rows,
+        )
+        .column("model", |row| row.name.clone())
+        .column("parameters", |row| origin(row))
+        .column("loop closure error [N]", |row| {
+            format!("{:.1e}", row.closure.largest)
+        })
+        .column("inner loops", |row| {
+            let closure = &row.closure;
+            match (closure.is_nonlocal(), closure.remembers) {
+                (true, _) => "closes".to_owned(),
+                (false, true) => {
+                    format!("open, {:.2} %", 100.0 * closure.largest / closure.range)
+                }
+                (false, false) => "no loops".to_owned(),
+            }
+        })
+        .column("drift [nm/cycle]", |row| {
+            row.drift.map_or("slides away".to_owned(), |d| {
+                format!("{:.3}", (1e9 * d).abs())
+            })
+        })
+        .column("stick-slip", |row| match row.stick_slip {
+            Some(true) => "yes".to_owned(),
+            Some(false) => "no".to_owned(),
+            None => "no (no Stribeck curve)".to_owned(),
+        });
+        [errors.table(), loops.table()]
     }
 
     fn to_json(&self) -> Value {
@@ -134,19 +153,29 @@ impl Experiment {
     }
 
     /// By number of blocks.
-    pub fn table(&self) -> Table {
+    pub fn tables(&self) -> [Table; 2] {
         let percent = |spreads: &[f64]| {
             let each = spreads.iter().map(|s| format!("{:.0}", 100.0 * s));
             each.collect::<Vec<_>>().join(" ")
         };
-        Table::of(format!(
-                "The experiment: {REPEATS} ramps in steps of 10 mN, seed {}; NMSE [%] with 95 % intervals; spread: standard deviation over mean of each block's parameter, first to last [%]",
+        let errors = Table::of(format!(
+                "The experiment: {REPEATS} ramps in steps of 10 mN, seed {}; NMSE, %, with 95 % intervals: of the average curve, of each repeat by its own blocks, of repeats by the others' average, and the loss against the best N",
                 self.seed
-            ), &self.sizes).column("N", |size| size.n.to_string()).column("average curve", |size| significant(size.nmse_average)).column("each repeat by its own", |size| {
-                    interval_text(&size.nmse_own)
-                }).column("repeats by others' average", |size| {
-                    interval_text(&size.nmse_others)
-                }).column("loss against the best N", |size| interval_text(&size.loss)).column("identified", |size| size.identified.to_string()).column("spread of k_i", |size| percent(&size.stiffness_spread)).column("spread of D_i", |size| percent(&size.yield_spread)).table()
+            ), &self.sizes)
+            .column("N", |size| size.n.to_string())
+            .column("average", |size| significant(size.nmse_average))
+            .column("by its own", |size| interval_text(&size.nmse_own))
+            .column("by the others'", |size| interval_text(&size.nmse_others))
+            .column("loss", |size| interval_text(&size.loss))
+            .column("identified", |size| size.identified.to_string());
+        let spreads = Table::of(
+            "Standard deviation over mean of each block's parameter, first to last, %",
+            &self.sizes,
+        )
+        .column("N", |size| size.n.to_string())
+        .column("spread of k_i", |size| percent(&size.stiffness_spread))
+        .column("spread of D_i", |size| percent(&size.yield_spread));
+        [errors.table(), spreads.table()]
     }
 
     fn to_json(&self) -> Value {
@@ -256,7 +285,7 @@ impl Reproduction {
             Section {
                 heading: "All models, with inner loops (Figure 6, Table 2)".to_owned(),
                 paragraphs: sentences(self.figure_6.remarks()),
-                tables: vec![self.figure_6.table()],
+                tables: self.figure_6.tables().to_vec(),
                 figures: vec![self.figure_6.figure()],
             },
             Section {
@@ -265,7 +294,7 @@ impl Reproduction {
                     format!("{}.", self.experiment.answer()),
                     "The ten-block column stands for the axis; in every repeat each block's force and yield displacement vary uniformly and independently, the load goes up in steps of 10 mN that the cell resolves to half a step, each is held to rest, with an inner loop, until the axis breaks away. Displacements are averaged at the same load, and blocks placed by the search that gives the optimal breakpoints above.".to_owned(),
                 ],
-                tables: vec![self.experiment.table()],
+                tables: self.experiment.tables().to_vec(),
                 figures: vec![self.experiment.error_figure(), self.experiment.ramps_figure()],
             },
         ]

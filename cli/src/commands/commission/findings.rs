@@ -71,7 +71,7 @@ impl Findings {
     /// On the terminal, as `preslide diagnose` says it.
     pub fn say(&self) {
         explain!("\n{}\n", self.diagnosis.verdict_lines(&self.recording));
-        say!("{}", self.diagnosis.budget_text(&self.recording));
+        explain!("{}", self.diagnosis.budget_text(&self.recording));
         if let Some(possible) = self.diagnosis.possible_words(&self.recording) {
             say!("{possible}.\n");
         }

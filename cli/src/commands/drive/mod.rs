@@ -7,7 +7,8 @@ use super::{AxisArgs, Failure};
 use arguments::{Home, Jog, MarkArg, Move, PlayArgs};
 use clap::{Args, Subcommand};
 use preslide_drive::{BAUD, Drive as Session, DriveError, open, quantity, screen, words};
-use preslide_fit::model::Model;
+use preslide_fit::model::{Model, key_of};
+use preslide_fit::report::{figures, units::name_and_unit};
 use preslide_host::drive::loadable;
 use preslide_link::{GainSettings, Homing, Mark, Mode, Name, Request};
 use std::path::PathBuf;
@@ -21,7 +22,7 @@ use std::time::{Duration, Instant};
 /// after every reset. A controller that hears nothing for its parameter `silence` stops a moving axis.
 #[derive(Args)]
 #[command(
-    after_help = "Example: preslide drive /dev/ttyACM0\n  preslide drive /dev/ttyACM0 enable\n  preslide drive /dev/ttyACM0 move --by 1.5mm --speed 5mm/s\n  \
+    after_help = "Example: preslide drive /dev/ttyACM0\n         preslide drive /dev/ttyACM0 enable\n         preslide drive /dev/ttyACM0 move --by 1.5mm --speed 5mm/s\n         \
                   preslide drive tcp:127.0.0.1:7700 play motion.csv -o axis.csv\n\nLengths are m, or end in mm, um, nm; on a rotary axis rad, mrad, deg."
 )]
 pub struct Drive {
@@ -102,7 +103,7 @@ enum What {
         /// K_d in N·s/m
         derivative: f32,
     },
-    /// Load a friction model with its effects without a bump
+    /// Load a friction model without a bump; its effects too, where the firmware was built for a model that has them
     Load {
         /// A model that identify or diagnose wrote
         #[arg(value_name = "MODEL.toml")]
@@ -280,7 +281,7 @@ impl Commanded {
         let stop = Arc::clone(&self.stop);
         let state = self.drive.wait(|| stop.load(Ordering::Relaxed))?;
         let position = state.position as f64 * self.drive.identity().count;
-        say!("stands at {position:+.9} {}", self.unit);
+        say!("stands at {}", quantity::shown(position, self.unit));
         Ok(())
     }
 
@@ -458,12 +459,25 @@ impl Commanded {
         let loaded = loadable(&model, layout)
             .map_err(|reason| Failure::Input(format!("{}: {reason}", path.display())))?;
         let values: Vec<f64> = loaded.parameters.iter().map(|p| p.1).collect();
-        self.drive.load(layout, &values)?;
         let named = loaded.parameters.iter();
         let named: Vec<String> = named
-            .map(|(name, value)| format!("{name} {value:.5e}"))
+            .map(|(key, value)| {
+                // A block's has no unit in the layout's name.
+                let key = key.replace("stiffness", "stiffness_N_per_m");
+                let (name, unit) = name_and_unit(&key_of(model.motion, &key), "N");
+                format!("{name} {}", figures::quantity(*value, &unit))
+            })
             .collect();
-        say!("loaded: {}", named.join(", "));
+        let named = named.join(", ");
+        self.drive
+            .load(layout, &values)
+            .map_err(|error| match &error {
+                DriveError::Refused { .. } => {
+                    Failure::Input(format!("{}: {error}; sent were {named}", path.display()))
+                }
+                _ => error.into(),
+            })?;
+        explain!("loaded: {named}");
         if loaded.deviation > 1e-6 {
             say!(
                 "Note: this firmware has four blocks; joining them changes the force by up to {:.1} % of the breakaway force. \

@@ -2,19 +2,21 @@
 
 use super::arguments::PlayArgs;
 use super::{Commanded, Failure, SAMPLES_PER_ROW};
-use preslide_drive::{Motion, Play, Played};
+use crate::commands::capture::{OnceWritten, refuse_existing};
+use crate::commands::outputs;
+use preslide_drive::{Motion, Play, Played, quantity};
 use preslide_fit::progress::Progress;
 use preslide_fit::recording::{self, LoadOptions, MotionKind, Needs};
 use preslide_host::capture::{Recorder, Scale, Summary};
 use preslide_link::{Identity, Sample};
-use std::fs::File;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 impl Commanded {
     /// Plays, and prints how closely the axis followed: RMS and largest error (10⁻⁹ m or rad).
     pub fn play(&mut self, play: &PlayArgs) -> Result<(f64, f64), Failure> {
+        refuse_existing(&play.output, play.overwrite)?;
+        outputs::check(&[&play.motion], &[("-o", Some(&play.output))], None)?;
         let identity = *self.drive.identity();
         let options = LoadOptions {
             needs: Needs::Motion,
@@ -25,6 +27,7 @@ impl Commanded {
             .map_err(|reason| Failure::Input(format!("{}: {reason}", play.motion.display())))?;
         let playing = Play {
             offset: self.offset(play.absolute, &motion, identity.count)?,
+            unit: self.unit,
             every: every(play, &identity) as u16,
         };
         let mut following = Following::default();
@@ -64,10 +67,10 @@ impl Commanded {
         }
         if (stands - motion.start()).abs() > 2.0 * count {
             return Err(Failure::Input(format!(
-                "the motion begins at {:.9} {u} and the axis stands at {stands:.9} {u}: `move --to {:.9}` first",
-                motion.start(),
-                motion.start(),
-                u = self.unit
+                "the motion begins at {} and the axis stands at {}: `move --to {:.9}` first",
+                quantity::shown(motion.start(), self.unit),
+                quantity::shown(stands, self.unit),
+                motion.start()
             )));
         }
         Ok(0.0)
@@ -94,8 +97,8 @@ impl Commanded {
             every: (every(play, &identity) * SAMPLES_PER_ROW) as u32,
             after_s: 0.0,
         };
-        let mut file = Pending::new(&play.output, play.overwrite)?;
-        let mut recorder = Recorder::begin(file.create()?, &scale, None)?;
+        let file = OnceWritten::new(&play.output, play.overwrite);
+        let mut recorder = Recorder::new(file, &scale, None);
         let progress = Progress::new(
             "play, rows",
             (motion.seconds(identity.rate_hz) * play.rate) as u64,
@@ -109,11 +112,6 @@ impl Commanded {
                     failed = Some(error.into());
                 }
             }
-            if !samples.is_empty()
-                && let Err(error) = file.keep()
-            {
-                failed = Some(error);
-            }
             progress.inc((samples.len() as f64 / SAMPLES_PER_ROW) as u64);
             failed.is_some() || stop.load(Ordering::Relaxed)
         });
@@ -122,67 +120,13 @@ impl Commanded {
         if let Some(error) = failed {
             return Err(error);
         }
-        if played.is_ok() {
-            file.keep()?;
-        }
         if let Err(error) = &played
             && recorded.is_ok()
-            && file.kept
         {
             let path = play.output.display();
             eprintln!("wrote {path} up to the interruption: {error}");
         }
         Ok((played?, recorded?))
-    }
-}
-
-/// A recording's file that takes its name with the first sample: a motion that is refused leaves nothing, and takes nothing from an older one.
-struct Pending<'a> {
-    path: &'a Path,
-    part: PathBuf,
-    kept: bool,
-}
-
-impl<'a> Pending<'a> {
-    fn new(path: &'a Path, overwrite: bool) -> Result<Self, Failure> {
-        crate::commands::capture::refuse_existing(path, overwrite)?;
-        Ok(Self {
-            path,
-            part: crate::commands::outputs::beside(path),
-            kept: false,
-        })
-    }
-
-    fn create(&mut self) -> Result<File, Failure> {
-        // What is no plain file (`/dev/null`) cannot be replaced.
-        if self.path.exists() && !self.path.is_file() {
-            self.kept = true;
-            return crate::commands::capture::create(self.path, true);
-        }
-        crate::commands::capture::create(&self.part, true)
-    }
-
-    /// Gives it its name.
-    fn keep(&mut self) -> Result<(), Failure> {
-        if !self.kept {
-            std::fs::rename(&self.part, self.path).map_err(|error| {
-                Failure::Tool(format!(
-                    "cannot write {}: {error}; name a file in a folder that exists and is writable",
-                    self.path.display()
-                ))
-            })?;
-            self.kept = true;
-        }
-        Ok(())
-    }
-}
-
-impl Drop for Pending<'_> {
-    fn drop(&mut self) {
-        if !self.kept {
-            // It may never have been made.
-            let _ = std::fs::remove_file(&self.part);
-        }
     }
 }
 

@@ -322,9 +322,7 @@ pub static CHANNEL_DELAY: Form = Form {
     id: "channel_delay",
     keys: &[("delay_s", Any)],
     example: &[2.5e-3],
-    controller: Err(
-        "it is a matter of the recording: the force was sampled later than the position",
-    ),
+    controller: Err("it belongs to the recording: the force was sampled later than the position"),
     ..BARE
 };
 
@@ -494,6 +492,6 @@ pub static CREEP: Form = Form {
     id: "creep",
     keys: &[("rate_m_s", NotNegative), ("share_of_breakaway", Positive)],
     example: &[1e-3, 1.0],
-    controller: Err("its feed-forward would push an axis that rests"),
+    controller: Err("its feed-forward would push a resting axis"),
     ..BARE
 };

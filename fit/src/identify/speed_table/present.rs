@@ -2,8 +2,9 @@
 
 use super::SpeedTable;
 use crate::identify::fit::key;
-use crate::report::figures::digits;
-use crate::report::{Axis, Emphasis, Figure, Page, Section, Series, Table};
+use crate::report::figures::{cells, range};
+use crate::report::units::symbol;
+use crate::report::{Axis, Emphasis, Figure, Page, Section, Series, Table, display_unit};
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
 
@@ -17,10 +18,7 @@ impl SpeedTable {
     }
 
     fn force_unit(&self) -> &'static str {
-        match self.speeds.role.unit() {
-            "Nm" => "N·m",
-            unit => unit,
-        }
+        symbol(self.speeds.role.unit())
     }
 
     fn velocity_unit(&self) -> String {
@@ -36,9 +34,9 @@ impl SpeedTable {
             _ => force.to_owned(),
         };
         let rows = self.parameters.iter().map(|(name, e)| {
-            let bound = |i: usize| e.ci95.map_or("–".to_owned(), |ci| digits(ci[i]));
-            let shown = name.replace('_', " ");
-            vec![shown, digits(e.value), bound(0), bound(1), unit(name)]
+            let shown = display_unit(&unit(name), e.value.abs().max(e.reach().unwrap_or(0.0)));
+            let [value, from, to] = cells(e.value, e.ci95, shown.factor);
+            vec![name.replace('_', " "), value, from, to, shown.unit]
         });
         Table {
             caption: format!("{}, {} speeds", self.law(), self.fitted.len()),
@@ -158,16 +156,12 @@ impl SpeedTable {
     pub fn in_one_line(&self) -> String {
         let [(slow, fast), (low, high)] = self.speeds.ranges();
         format!(
-            "{}   {} rows without time · {} to {} {} · {} {} to {} {}",
+            "{}   {} rows without time · {} · {} {}",
             self.speeds.name,
             self.fitted.len(),
-            digits(slow),
-            digits(fast),
-            self.velocity_unit(),
+            range(slow, fast, &self.velocity_unit()),
             self.speeds.role.name(),
-            digits(low),
-            digits(high),
-            self.force_unit()
+            range(low, high, self.force_unit())
         )
     }
 

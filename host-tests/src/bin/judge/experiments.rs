@@ -191,7 +191,7 @@ fn planned(
 ) -> Result<Vec<(f64, u32)>, String> {
     let path = folder.join("plan.csv");
     let line = format!(
-        "plan --travel {travel:e} --speed {SPEED} --acceleration {ACCELERATION} --repeats {repeats} --rate 1kHz --smallest 4um -o"
+        "plan --travel {travel:e}m --speed {SPEED} --acceleration {ACCELERATION} --repeats {repeats} --rate 1kHz --smallest 4um -o"
     );
     let status = Command::new(&tool.command[0])
         .args(line.split(' '))

@@ -87,7 +87,7 @@ fn the_budget_begins_with_the_model_as_it_stands() {
     assert!(
         found
             .verdict_words(&recording)
-            .contains("wrong in the model: mass_kg")
+            .contains("wrong in the model: mass")
     );
     assert!(found.recommendation(&recording).contains("correct mass_kg"));
     let budget = found.budget_json();
