@@ -53,6 +53,7 @@ macro_rules! laws {
     })*) => {
         impl FrictionModel {
             /// The law that it is of.
+            #[allow(clippy::needless_update)] // some laws have all parts
             pub(crate) fn law(&mut self) -> Law<'_> {
                 match self {
                     $($model => Law {

@@ -3,7 +3,7 @@
 //! To add a law: a variant of [`FrictionModel`], its row of `laws!` and its parameters in `one_of_each`. To have it fitted: a variant of [`Family`], in `ALL` and with an arm of `search`.
 
 use super::law::{Curve, Law, laws};
-use super::search::{Search, Span, bounded, stribeck, transition_blocks, weakening};
+use super::search::{Bounded, Span, bounded, stribeck, transition_blocks, weakening};
 use super::{MOST_BLOCKS, Visitor};
 use clap::ValueEnum;
 use preslide::{
@@ -275,6 +275,14 @@ laws! {
 
 fn original(form: LeuvenForm) -> usize {
     usize::from(form == LeuvenForm::Original)
+}
+
+/// How a law is searched for.
+pub(super) struct Search {
+    /// Bounds of the nonlinear parameters.
+    pub(super) bounds: fn(&Span) -> Vec<Bounded>,
+    /// See [`Family::model`].
+    pub(super) model: fn(&[f64], f64, f64) -> Option<FrictionModel>,
 }
 
 /// A friction model that is fitted by a nonlinear optimiser.

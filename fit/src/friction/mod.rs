@@ -1,6 +1,7 @@
 //! The library's friction models, chosen at run time and run along a recording in `f64`.
 
 mod contact;
+mod family;
 mod law;
 mod laws;
 mod search;
