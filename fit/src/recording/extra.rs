@@ -18,16 +18,10 @@ pub struct Extra {
 impl Extra {
     /// What its values are multiplied by to be positions of that kind in SI (m or rad), where its name ends in a unit of one.
     pub fn position_factor(&self, kind: MotionKind) -> Option<f64> {
-        let wanted = match kind {
-            MotionKind::Linear => Dimension::Length,
-            MotionKind::Rotary => Dimension::Angle,
-        };
         let unit = words::quantity(&self.name).unit?;
-        (unit.dimension == wanted).then_some(unit.factor)
+        (unit.dimension == Dimension::of_position(kind)).then_some(unit.factor)
     }
-}
 
-impl Extra {
     /// Whether a column of such a name may be a motion: its unit, where it ends in one, is of length, angle or speed.
     pub fn is_motion(name: &str) -> bool {
         let unit = words::quantity(name).unit;
@@ -105,13 +99,16 @@ impl Reading {
     }
 }
 
-/// What became of the further columns: those that vary, and those that stay at one value.
-pub(super) type Sorted = (Vec<Extra>, Vec<(String, f64)>);
+/// Columns that stay at one value, by name.
+pub(super) type Constant = Vec<(String, f64)>;
 
-/// Keeps the columns of so many finite numbers; says in one line which are kept and which are not, but for those that are taken.
+/// What became of the further columns: those that vary, and those that do not.
+pub(super) type Sorted = (Vec<Extra>, Constant);
+
+/// Keeps the columns of numbers; says in one line which are kept and which are not, but for those that are taken.
 pub(super) fn sort(
     readings: Vec<Reading>,
-    (samples, taken): (usize, &[String]),
+    taken: &[String],
     warnings: &mut Vec<Warning>,
 ) -> Sorted {
     let (mut extra, mut constant) = (Vec::new(), Vec::new());
@@ -126,15 +123,11 @@ pub(super) fn sort(
         } = reading;
         match (refused, values.first()) {
             (Some(why), _) => left.push(format!("{name} ({why})")),
-            (None, Some(&first)) if values.len() == samples => {
-                if values.iter().all(|&v| v == first) {
-                    left.push(format!("{name} (always {first})"));
-                    constant.push((name, first));
-                } else {
-                    extra.push(Extra { name, values });
-                }
+            (None, Some(&first)) if values.iter().all(|&v| v == first) => {
+                left.push(format!("{name} (always {first})"));
+                constant.push((name, first));
             }
-            _ => left.push(format!("{name} (not one number for every sample)")),
+            (None, _) => extra.push(Extra { name, values }),
         }
     }
     let names = extra.iter().map(|e| &e.name);
@@ -160,7 +153,7 @@ pub(super) fn sort(
 }
 
 /// Makes constants of the columns that have come to be, where samples were left out.
-pub(super) fn move_constant((extra, constant): (&mut Vec<Extra>, &mut Vec<(String, f64)>)) {
+pub(super) fn move_constant((extra, constant): (&mut Vec<Extra>, &mut Constant)) {
     extra.retain(|e| {
         let first = e.values.first().copied().unwrap_or(0.0);
         let varies = e.values.iter().any(|&v| v != first);

@@ -6,6 +6,7 @@ use super::known::Slot;
 use super::{Extra, samples};
 
 /// Columns of equal length, but for those that are not there, and how they hang together in time.
+#[derive(Default)]
 pub(super) struct Frame {
     pub(super) t_s: Vec<f64>,
     pub(super) numbers: Vec<(Slot, Vec<f64>)>,

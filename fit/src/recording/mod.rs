@@ -231,7 +231,7 @@ pub struct Recording {
     /// What the user should know.
     pub warnings: Vec<Warning>,
     /// Further columns that stay at one value, by name: in a joined recording they may be part of one that varies.
-    constant_extra: Vec<(String, f64)>,
+    constant_extra: extra::Constant,
     /// How many times the load was taken off the effort, where the drive holds it.
     load_held: Option<f64>,
     sample_time_s: f64,
@@ -493,26 +493,14 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
 }
 
 /// The columns of a table, its times checked; and the further columns that stay at one value.
-#[allow(clippy::type_complexity)]
 fn frame_of(
     table: &mut Table,
     taken: &[String],
     warnings: &mut Vec<Warning>,
-) -> Result<(Frame, Vec<(String, f64)>), Problem> {
-    let mut frame = Frame {
-        t_s: Vec::new(),
-        numbers: Vec::new(),
-        parts: Vec::new(),
-        extra: Vec::new(),
-        runs: Vec::new(),
-        pieces: Vec::new(),
-    };
-    for (source, data) in table
-        .plan
-        .sources
-        .iter()
-        .zip(std::mem::take(&mut table.data))
-    {
+) -> Result<(Frame, extra::Constant), Problem> {
+    let mut frame = Frame::default();
+    let data = std::mem::take(&mut table.data);
+    for (source, data) in table.plan.sources.iter().zip(data) {
         let slot = source.known.slot;
         match data {
             Data::Numbers(values) => frame.numbers.push((slot, values)),
@@ -530,7 +518,7 @@ fn frame_of(
     };
     let samples = t_s.len();
     let further = std::mem::take(&mut table.extra);
-    let (extra, constant) = extra::sort(further, (samples, taken), warnings);
+    let (extra, constant) = extra::sort(further, taken, warnings);
     if samples < 2 {
         return Err(Problem::too_short(samples));
     }

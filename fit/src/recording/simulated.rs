@@ -1,8 +1,8 @@
 //! A simulation of the user's own, in further columns of the recording.
 
+use super::Recording;
 use super::units::Dimension;
 use super::words::{quantity, split};
-use super::{EffortRole, MotionKind, Recording};
 
 /// What a simulation did, at the samples.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,9 +70,9 @@ impl Recording {
         };
         let unit = quantity(&self.extra[place].name).unit;
         let factor = unit.map_or(1.0, |u| u.factor);
-        let dimension = unit.map_or(effort_of(self.role), |u| u.dimension);
-        let is_effort = dimension == effort_of(self.role);
-        if !is_effort && dimension != position_of(self.kind) {
+        let dimension = unit.map_or(Dimension::of_effort(self.role), |u| u.dimension);
+        let is_effort = dimension == Dimension::of_effort(self.role);
+        if !is_effort && dimension != Dimension::of_position(self.kind) {
             return Err(other_quantity(self, name));
         }
         let mut values = self.extra.remove(place).values;
@@ -126,22 +126,6 @@ fn other_quantity(recording: &Recording, name: &str) -> String {
     )
 }
 
-pub(super) fn effort_of(role: EffortRole) -> Dimension {
-    match role {
-        EffortRole::Force | EffortRole::Friction => Dimension::Force,
-        EffortRole::Torque => Dimension::Torque,
-        EffortRole::Current => Dimension::Current,
-        EffortRole::Voltage | EffortRole::Raw => Dimension::Voltage,
-    }
-}
-
-pub(super) fn position_of(kind: MotionKind) -> Dimension {
-    match kind {
-        MotionKind::Linear => Dimension::Length,
-        MotionKind::Rotary => Dimension::Angle,
-    }
-}
-
 /// Correlation about the means.
 pub(super) fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
@@ -177,33 +161,21 @@ mod tests {
     fn an_effort_or_a_position_comes_in_the_unit_and_sign_of_the_measured_one() {
         let mut recording = load();
         let effort = vec![1.0, 2.0, 4.1];
-        assert_eq!(
-            taken(&mut recording, &["sim_mN"]),
-            Ok(Simulated::Effort(effort.clone()))
-        );
-        assert_eq!(
-            recording.warnings.last().map(|w| w.code),
-            Some("simulated-sign")
-        );
-        assert_eq!(
-            taken(&mut recording, &["plain"]),
-            Ok(Simulated::Effort(vec![1.0, 2.0, 4.0]))
-        );
-        let position = vec![0.0, 1.0, 0.0];
-        assert_eq!(
-            taken(&mut load(), &["x_sim_mm"]),
-            Ok(Simulated::Motion {
-                position: position.clone(),
-                effort: None
-            })
-        );
-        assert_eq!(
-            taken(&mut load(), &["x_sim_mm", "sim_mN"]),
-            Ok(Simulated::Motion {
-                position,
-                effort: Some(effort)
-            })
-        );
+        let motion = |effort| {
+            let position = vec![0.0, 1.0, 0.0];
+            Simulated::Motion { position, effort }
+        };
+        for (names, right) in [
+            (&["sim_mN"][..], Simulated::Effort(effort.clone())),
+            (&["plain"], Simulated::Effort(vec![1.0, 2.0, 4.0])),
+            (&["x_sim_mm"], motion(None)),
+            (&["x_sim_mm", "sim_mN"], motion(Some(effort))),
+        ] {
+            assert_eq!(taken(&mut load(), names), Ok(right));
+        }
+        taken(&mut recording, &["sim_mN"]).expect("taken");
+        let last = recording.warnings.last().map(|w| w.code);
+        assert_eq!(last, Some("simulated-sign"));
     }
 
     #[test]

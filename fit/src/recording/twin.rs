@@ -1,6 +1,7 @@
 //! A simulation in a file of its own, brought to the samples of the recording.
 
-use super::simulated::{Simulated, correlation, effort_of, position_of};
+use super::simulated::{Simulated, correlation};
+use super::units::Dimension;
 use super::words::quantity;
 use super::{EffortRole, LoadOptions, MotionKind, Needs, Recording, Warning, load};
 use crate::statistics;
@@ -43,7 +44,7 @@ impl Recording {
             return Ok(None);
         };
         let dimension = column.and_then(|c| quantity(c).unit).map(|u| u.dimension);
-        let is_position = dimension == Some(position_of(self.kind));
+        let is_position = dimension == Some(Dimension::of_position(self.kind));
         let target = match (is_position, self.kind, self.role) {
             (true, MotionKind::Linear, _) => "x_m",
             (true, MotionKind::Rotary, _) => "q_rad",
@@ -76,7 +77,7 @@ impl Recording {
                 self.kind.name()
             )));
         }
-        if !is_position && effort_of(own.role) != effort_of(self.role) {
+        if !is_position && Dimension::of_effort(own.role) != Dimension::of_effort(self.role) {
             return Err(wrong(&format!(
                 "it has a {} ({}), the recording a {} ({}); log the simulation in these",
                 own.role.name(),

@@ -1,5 +1,7 @@
 //! The units that other people's files are written in: one table, in SI.
 
+use super::{EffortRole, MotionKind};
+
 /// What a column measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Dimension {
@@ -14,6 +16,26 @@ pub(super) enum Dimension {
     Voltage,
     Temperature,
     Pressure,
+}
+
+impl Dimension {
+    /// Of such an effort; one of a unit that nobody said is like a voltage.
+    pub(super) fn of_effort(role: EffortRole) -> Self {
+        match role {
+            EffortRole::Force | EffortRole::Friction => Force,
+            EffortRole::Torque => Torque,
+            EffortRole::Current => Current,
+            EffortRole::Voltage | EffortRole::Raw => Voltage,
+        }
+    }
+
+    /// Of a position along or about an axis.
+    pub(super) fn of_position(kind: MotionKind) -> Self {
+        match kind {
+            MotionKind::Linear => Length,
+            MotionKind::Rotary => Angle,
+        }
+    }
 }
 
 use Dimension::{

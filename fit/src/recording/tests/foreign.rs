@@ -38,25 +38,21 @@ pub(super) fn as_told(csv: &str) -> (Recording, Vec<String>) {
 
 /// The motion and effort of [`joint`], to the digits that a file holds.
 pub(super) fn is_joint(name: &str, r: &Recording, effort: f64) {
-    assert_eq!(
-        (r.len(), r.pieces.len(), r.kind),
-        (4000, 1, MotionKind::Rotary),
-        "{name}"
-    );
-    assert!(
-        (r.sample_time_s() - 0.002).abs() < 1e-6,
-        "{name}: {}",
-        r.sample_time_s()
-    );
-    let off = (0..4000).map(|i| {
-        let (t, q, _, torque) = joint(i);
-        let at = i as usize;
-        let t = (r.t_s[at] - r.t_s[0] - t).abs();
-        t.max((r.position[at] - q).abs())
-            .max((r.effort[at] - effort * torque).abs())
-    });
-    let worst = off.fold(0.0, f64::max);
-    assert!(worst < 2e-6, "{name}: {worst}");
+    let is = (r.len(), r.pieces.len(), r.kind);
+    assert_eq!(is, (4000, 1, MotionKind::Rotary), "{name}");
+    let step = r.sample_time_s();
+    assert!((step - 0.002).abs() < 1e-6, "{name}: {step}");
+    let right = |of: &dyn Fn((f64, f64, f64, f64)) -> f64| -> Vec<f64> {
+        (0..4000).map(|i| of(joint(i))).collect()
+    };
+    for (column, right) in [
+        (&r.t_s, right(&|joint| r.t_s[0] + joint.0)),
+        (&r.position, right(&|joint| joint.1)),
+        (&r.effort, right(&|joint| effort * joint.3)),
+    ] {
+        let worst = apart(column, &right);
+        assert!(worst < 2e-6, "{name}: {worst}");
+    }
     check_invariants(r);
 }
 
