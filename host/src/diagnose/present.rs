@@ -143,13 +143,14 @@ impl Diagnosis {
                 p.key.clone(),
                 digits(p.given),
                 format!("{}{reach}", digits(p.found.value)),
+                digits(self.written_of(p)),
                 format!("{:.3}", p.worth),
                 differs.to_owned(),
             ]
         };
         Some(Table {
-            caption: "Parameters of the model, given and refitted; worth: what the difference alone leaves, % of the variance".to_owned(),
-            head: ["parameter", "given", "refitted", "worth %", ""]
+            caption: "Parameters of the model, given, refitted on its own law, and as -o writes them; worth: what the difference alone leaves, % of the variance".to_owned(),
+            head: ["parameter", "given", "refitted", "-o", "worth %", ""]
                 .map(String::from)
                 .to_vec(),
             rows: given.parameters.iter().map(row).collect(),

@@ -105,14 +105,12 @@ impl Named {
 }
 
 impl Refitted {
-    /// From what to what: `mass_kg from 9.622 to 12.9 ± 0.05`.
-    fn words(&self) -> String {
-        let [given, found] = [self.given, self.found.value].map(three);
-        let reach = self
-            .found
-            .reach()
-            .map_or(String::new(), |r| format!(" ± {}", three(r)));
-        format!("{} from {given} to {found}{reach}", self.key)
+    /// From what to what it is `written`: `mass_kg from 9.622 to 12.9 ± 0.05`.
+    fn words(&self, written: f64) -> String {
+        let [given, to] = [self.given, written].map(three);
+        let reach = self.found.reach().filter(|_| written == self.found.value);
+        let reach = reach.map_or(String::new(), |r| format!(" ± {}", three(r)));
+        format!("{} from {given} to {to}{reach}", self.key)
     }
 }
 
@@ -476,28 +474,34 @@ impl Diagnosis {
                 each.dedup();
                 each.join(" Also: ")
             }
-            (Verdict::ParametersDiffer, _) => self.correct(),
+            (Verdict::ParametersDiffer, _) => self.correct(recording),
             (Verdict::InsufficientData, _) => "record strokes over the whole travel at several speeds, in both directions, with the effort of the motor (`preslide diagnose … --experiment motion.csv` writes such a motion).".to_owned(),
             _ if self.displacement_factor().is_some() => {
                 "identify the model's hysteresis again (`preslide identify`); its law can stay.".to_owned()
             }
             (Verdict::UnknownPhysics, Some(unknown)) => unknown.advice(self),
             (Verdict::UnknownPhysics, None) => "look at the maps of what is left on the page of --report; nothing in the catalogue explains it.".to_owned(),
-            _ => self.keep(),
+            _ => self.keep(recording),
         };
         let said = matches!(
             self.verdict,
             Verdict::ParametersDiffer | Verdict::Consistent
         );
         if said || self.wrong().next().is_none() {
-            return format!("Recommendation: {advice}");
+            let in_vain = match self.missing().next().is_some() && self.writes_as_given(recording) {
+                true => {
+                    " `-o FILE` writes the model as it is: no refit with that in it leaves less on stretches held out."
+                }
+                false => "",
+            };
+            return format!("Recommendation: {advice}{in_vain}");
         }
         // What is worth more comes first.
         let names: f64 = self.budget.iter().map(|item| item.nmse).sum();
         let [parameters, _] = self.before_the_baseline();
         let (first, then) = match parameters > names {
-            true => (self.correct(), advice),
-            false => (advice, self.correct()),
+            true => (self.correct(recording), advice),
+            false => (advice, self.correct(recording)),
         };
         format!("Recommendation: {first} Also: {then}")
     }
@@ -557,9 +561,16 @@ impl Diagnosis {
     }
 
     /// Where numbers of the model are wrong.
-    fn correct(&self) -> String {
-        let wrong = self.wrong();
-        let each: Vec<String> = wrong.map(Refitted::words).collect();
+    fn correct(&self, recording: &Recording) -> String {
+        let wrong: Vec<&Refitted> = self.wrong().collect();
+        if self.writes_as_given(recording) {
+            let keys: Vec<&str> = wrong.iter().map(|p| p.key.as_str()).collect();
+            return format!(
+                "keep {} until another recording says the same: no refit leaves less on stretches held out than the model as it is, which is what `-o FILE` writes.",
+                keys.join(", ")
+            );
+        }
+        let each: Vec<String> = wrong.iter().map(|p| p.words(self.written_of(p))).collect();
         let is_constant = |p: &Refitted| p.key.starts_with(form::CONSTANT_FORCE.id);
         let either = match self.wrong().any(is_constant) {
             true => {
@@ -573,8 +584,24 @@ impl Diagnosis {
         )
     }
 
+    /// Whether `-o` writes the user's model, or the fit's, as it is.
+    fn writes_as_given(&self, recording: &Recording) -> bool {
+        match &self.written {
+            Some(written) => written.is_as_given,
+            None => self.fit.is_some() && self.extended_model(recording, None).is_as_given,
+        }
+    }
+
+    /// What the model that `-o` writes has of a parameter.
+    pub(super) fn written_of(&self, parameter: &Refitted) -> f64 {
+        let models = self.given_model.as_ref().zip(self.written.as_ref());
+        models.map_or(parameter.found.value, |(given, written)| {
+            parameter.written(&given.model, &written.model)
+        })
+    }
+
     /// Where nothing material is missing; the likeliest suspicion is worth an experiment at most.
-    fn keep(&self) -> String {
+    fn keep(&self, recording: &Recording) -> String {
         /// Times the measured noise up to which what is left is noise.
         const NOISE: f64 = 1.5;
         let unrepeated = self.unrepeated.unwrap_or(0.0);
@@ -596,7 +623,7 @@ impl Diagnosis {
         let refitted = self
             .given_model
             .iter()
-            .find(|g| g.refitted.test < 0.5 * g.stands);
+            .find(|g| g.refitted.test < 0.5 * g.stands && !self.writes_as_given(recording));
         let keep = keep + &refitted.map_or(String::new(), |given| {
             format!(
                 " With its parameters refitted it leaves {} instead of {}, though none is off by as much as a machine changes from day to day (`-o FILE` writes it).",
