@@ -1,9 +1,8 @@
 //! `preslide compare`.
 
 use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, thin};
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum as _};
 use preslide_fit::identify::MANY;
-use preslide_fit::identify::family::Family;
 use preslide_fit::progress::Progress;
 use preslide_host::compare::{compare, steps};
 use std::time::Instant;
@@ -35,11 +34,6 @@ impl Compare {
         let progress = Progress::new("compare", steps());
         let found = compare(&recording, &options, &progress).map_err(Failure::Data)?;
         progress.finish();
-        let recording = found.recording.clone();
-        if let Some(warning) = recording.warnings.iter().find(|w| w.code == "stretches") {
-            tell!("{}: {}", recording.name, warning.message);
-        }
-
         explain!("{}", found.table(&recording).to_text());
         if let Some(best) = found.models.get(found.recommended) {
             let parameters = best.parameters_in_words(recording.effort_unit());
@@ -50,12 +44,13 @@ impl Compare {
             explain!("Note: {note}.");
         }
         explain!("{}", found.recommendation());
-        if let Some(best) = found.models.get(found.recommended) {
-            let family = Family::ALL.into_iter().find(|f| f.name() == best.name());
-            let value = family.and_then(|f| f.to_possible_value());
-            let wanted = value.map_or(String::new(), |v| format!(" --friction {}", v.get_name()));
-            let command = self.recordings.command("identify", None);
-            say!("Next: {command}{wanted} -o model.toml");
+        let command = self.recordings.command("identify", None);
+        say!("Next: {command} -o model.toml");
+        if let Some(family) = found.cheapest.and_then(|i| found.models[i].family())
+            && let Some(value) = family.to_possible_value()
+        {
+            let (name, value) = (family.name(), value.get_name());
+            say!("Or, for {name}: {command} --friction {value} -o model.toml");
         }
         let seconds = start.elapsed().as_secs_f64();
         self.outputs.write(&found.to_json(&recording, seconds), || {

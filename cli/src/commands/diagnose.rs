@@ -12,6 +12,7 @@ use preslide_host::diagnose::experiment::{self, Experiment};
 use preslide_host::diagnose::fit::Fit;
 use preslide_host::diagnose::verdict::Verdict;
 use preslide_host::diagnose::{Diagnosis, Refusal, diagnose, diagnose_simulation, effect};
+use preslide_host::export::no_refused;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -336,6 +337,9 @@ fn write_extended(
     }
     for reason in &extended.refused {
         explain!("Not in {}: {reason}.", path.display());
+    }
+    if let Err(reason) = no_refused(&extended.model) {
+        say!("{} for `preslide export`: {reason}.", path.display());
     }
     let mut remarks = vec![
         format!("diagnosed from {}", recording.name),

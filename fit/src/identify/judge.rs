@@ -137,6 +137,7 @@ impl Judge<'_> {
         let friction = FrictionModel::maxwell_slip(&fit.stiffness, &fit.yields);
         let method = Method::Optimal;
         let mut candidate = self.candidate(friction, &fit.linear, method, sized.nmse_cross)?;
+        candidate.held_out.clone_from(&sized.held_out);
         let covariance = refine::covariance(surface, fit);
         let folds = self.split.folds.len();
         // Standard error of a sum of `(index, weight)` of the parameters (linear, k, ln D).

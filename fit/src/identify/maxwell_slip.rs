@@ -107,7 +107,8 @@ pub fn select(
     if optimal.is_empty() {
         return Err("no Maxwell-slip block with a positive stiffness fits: the effort does not rise after reversals; sample faster, or check its sign (--sign) and column (--map)".to_owned());
     }
-    let knee = knee(&optimal);
+    let held_out: Vec<&[f64]> = optimal.iter().map(|m| m.held_out.as_slice()).collect();
+    let knee = knee(&held_out);
     // Of what is recommended the samples have the last word; that costs passes along all of the motion.
     let yields = optimal[knee].fit.yields.clone();
     if let Some(fit) = refine::refine(&exact, yields, sizing.range) {
@@ -208,22 +209,19 @@ fn distinct(choices: &[Choice], most: usize) -> Vec<&Choice> {
 /// A block must take at least this share off the held-out error to be worth its cycles.
 const WORTH: f64 = 0.1;
 
-/// The smallest model whose held-out error exceeds the best by no more than a tenth, or by no more than one
-/// standard error of the paired difference over the held-out groups (what is common to both does not count).
-fn knee(models: &[Sized]) -> usize {
-    let best = (0..models.len())
-        .min_by(|&a, &b| models[a].nmse_cross.total_cmp(&models[b].nmse_cross))
+/// Of models of ascending size, by their squared errors on each held-out group, the smallest whose held-out error exceeds the best by no more than
+/// a tenth, or by no more than one standard error of the paired difference over the groups (what is common to both does not count).
+pub(super) fn knee(held_out: &[&[f64]]) -> usize {
+    let left: Vec<f64> = held_out.iter().map(|errors| errors.iter().sum()).collect();
+    let best = (0..left.len())
+        .min_by(|&a, &b| left[a].total_cmp(&left[b]))
         .unwrap_or(0);
     (0..best)
         .find(|&size| {
-            let difference: Vec<f64> = models[size]
-                .held_out
-                .iter()
-                .zip(&models[best].held_out)
-                .map(|(a, b)| a - b)
-                .collect();
+            let pairs = held_out[size].iter().zip(held_out[best]);
+            let difference: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
             let [mean, error] = mean_and_error(&difference);
-            mean <= error || models[size].nmse_cross <= (1.0 + WORTH) * models[best].nmse_cross
+            mean <= error || left[size] <= (1.0 + WORTH) * left[best]
         })
         .unwrap_or(best)
 }

@@ -101,6 +101,8 @@ pub struct Candidate {
     pub blocks: Vec<(Estimate, Estimate)>,
     /// Covariance of the blocks' stiffnesses and then of the logarithms of their yields, and the folds it comes from.
     covariance: Option<(DMatrix<f64>, usize)>,
+    /// Squared errors on each held-out group, of GMS by optimal breakpoints.
+    held_out: Vec<f64>,
     /// Modelled effort at every sample, filtered like the measured one.
     pub fitted: Vec<f64>,
 }
@@ -117,6 +119,7 @@ impl Candidate {
             at_edge: Vec::new(),
             blocks: Vec::new(),
             covariance: None,
+            held_out: Vec::new(),
             fitted: Vec::new(),
         }
     }
@@ -411,27 +414,24 @@ fn fitted(
         between,
         mixture: found.mixture,
     };
-    for at in 0..identification.candidates.len() {
-        identification.give_channel(at);
+    for candidate in &mut identification.candidates {
+        candidate
+            .model
+            .effects
+            .extend(effects_of(&identification.channel));
     }
     identification.recommendation = identification.recommended_in_words();
     Ok(identification)
 }
 
-impl Identification {
-    /// Gives the model of a candidate the drive's end and the delay, where there are any; a reading's end is the sensor's, and no machine's.
-    fn give_channel(&mut self, at: usize) {
-        let Channel {
-            saturation, delay, ..
-        } = &self.channel;
-        let end = saturation.as_ref().filter(|end| end.of == End::Command);
-        let end = end.map(|end| Effect::of(&form::ACTUATOR_SATURATION, &[end.limit.value]));
-        let delay = delay.map(|found| Effect::of(&form::CHANNEL_DELAY, &[found.delay_s.value]));
-        self.candidates[at]
-            .model
-            .effects
-            .extend(end.into_iter().chain(delay));
-    }
+/// What a model has of a channel: the drive's end and the delay, where there are any; a reading's end is the sensor's, and no machine's.
+fn effects_of(channel: &Channel) -> impl Iterator<Item = Effect> {
+    let end = channel.saturation.as_ref();
+    let end = end.filter(|end| end.of == End::Command);
+    let end = end.map(|end| Effect::of(&form::ACTUATOR_SATURATION, &[end.limit.value]));
+    let delay = channel.delay;
+    let delay = delay.map(|found| Effect::of(&form::CHANNEL_DELAY, &[found.delay_s.value]));
+    end.into_iter().chain(delay)
 }
 
 /// Fewest samples on the way across the travel that show a motion: of a stroke of five, as a servo at 10 Hz has, velocity and acceleration are

@@ -2,6 +2,7 @@
 
 use super::family::Family;
 use super::family::bench::Bench;
+use super::maxwell_slip::knee;
 use super::{Candidate, Identification, Method};
 use crate::progress::Progress;
 use crate::recording::Recording;
@@ -120,7 +121,6 @@ impl Identification {
         })?;
         self.recommended = self.candidates.len();
         self.candidates.push(candidate);
-        self.give_channel(self.recommended);
         self.say_taken();
         Ok(())
     }
@@ -140,6 +140,16 @@ impl Identification {
         self.candidates
             .iter()
             .filter(|c| c.method == Method::Optimal)
+    }
+
+    /// The model to use of those that `may` have so many blocks: the recommended one, or where it may not, by the same rule among the others.
+    pub fn recommended_among(&self, may: impl Fn(usize) -> bool) -> Option<&Candidate> {
+        if may(self.best().size()) {
+            return Some(self.best());
+        }
+        let others: Vec<&Candidate> = self.optimal().filter(|c| may(c.size())).collect();
+        let held_out: Vec<&[f64]> = others.iter().map(|c| c.held_out.as_slice()).collect();
+        others.get(knee(&held_out)).copied()
     }
 
     /// Gain and offset of every repeat of training and test data against the recommended model.

@@ -45,6 +45,14 @@ impl Compared {
         words(&self.file(), effort)
     }
 
+    fn loops_in_words(&self) -> &'static str {
+        match self.memory_in_words() {
+            "non-local" => "its inner loops close",
+            "local" => "its inner loops do not close",
+            _ => "it has no memory",
+        }
+    }
+
     fn memory_in_words(&self) -> &'static str {
         match (self.memory.is_nonlocal(), self.memory.remembers) {
             (true, _) => "non-local",
@@ -55,23 +63,38 @@ impl Compared {
 }
 
 impl Comparison {
-    /// One sentence: what to use and why.
+    /// What to use and why, as `identify` says it, and what would cost less or leave less.
     pub fn recommendation(&self) -> String {
         let Some(best) = self.models.get(self.recommended) else {
             return String::new();
         };
-        let cost = best.cost.as_ref().map_or(String::new(), |c| {
-            format!(", {:.0} cycles in a control tick", c.cycles_mean)
-        });
-        let loops = match best.memory_in_words() {
-            "non-local" => "its inner loops close",
-            "local" => "its inner loops do not close",
-            _ => "it has no memory",
+        let cycles = |m: &Compared| {
+            m.cost.as_ref().map_or(String::new(), |c| {
+                format!(", {:.0} cycles in a control tick", c.cycles_mean)
+            })
+        };
+        let (loops, cost) = (best.loops_in_words(), cycles(best));
+        let use_it = format!(
+            "{} With {} {loops}{cost}.",
+            self.identification.recommendation,
+            best.name()
+        );
+        let Some(cheapest) = self.cheapest else {
+            return use_it;
+        };
+        let m = &self.models[cheapest];
+        let which = match cheapest == self.recommended {
+            true => format!("{}, too", m.name()),
+            false => format!(
+                "{} ({} %, {}{})",
+                m.name(),
+                percent(m.candidate.nmse_test),
+                m.loops_in_words(),
+                cycles(m)
+            ),
         };
         format!(
-            "Use {}: {} % of the variance left on held-out data; {loops}{cost}. Of the model that `preslide identify` recommends and its rivals, up to {TICK:.0} cycles (5 % of 170 MHz at 20 kHz), it is the cheapest within {:.0} % of the lowest error.",
-            best.name(),
-            percent(best.candidate.nmse_test),
+            "{use_it} Of all in the table that take up to {TICK:.0} cycles (5 % of 170 MHz at 20 kHz) and have no parameter at the bound of its search, the cheapest within {:.0} % of their lowest error is {which}.",
             100.0 * (NEAR - 1.0),
         )
     }
@@ -110,7 +133,7 @@ impl Comparison {
             "schema": "preslide.comparison/1",
             "recording": recording.name,
             "held_out": self.held_out(),
-            "fit": self.fit,
+            "fit": self.identification.fit_json(recording),
             "band_hz": self.identification.filtered.then_some(self.identification.band_hz),
             "seed": SEED,
             "models": models,
@@ -119,6 +142,7 @@ impl Comparison {
                 "index": self.recommended,
                 "reason": self.recommendation(),
             })),
+            "cheapest": self.cheapest,
             "warnings": recording.warnings.iter().map(ToString::to_string).chain(self.notes.iter().cloned()).collect::<Vec<_>>(),
             "seconds": seconds,
         })

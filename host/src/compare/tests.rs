@@ -13,8 +13,8 @@ fn of_kind<'a>(comparison: &'a Comparison, name: &str) -> &'a Compared {
         .unwrap_or_else(|| panic!("no {name}"))
 }
 
-/// The whole comparison on a recording that Dahl made: Dahl wins, the parameters stand in the JSON, and what
-/// cannot be is refused.
+/// The whole comparison on a recording that Dahl made: Dahl is near the lowest error at the least cost, `identify`'s own model is what to use, and
+/// the parameters stand in the JSON.
 #[test]
 fn finds_the_model_that_made_the_recording() {
     let text = recorded(|v, f| 1e5 * v * (1.0 - f / 0.9 * v.signum()), |_, f| f);
@@ -51,10 +51,59 @@ fn finds_the_model_that_made_the_recording() {
     let stiffness = stiffness.as_f64().unwrap();
     assert!((stiffness / 1e5 - 1.0).abs() < 0.02, "{stiffness}");
     let recommendation = comparison.recommendation();
+    let of_identify = identify(&recording, &options, &progress).unwrap();
+    let wanted = of_identify.best();
+    let used = &comparison.models[comparison.recommended].candidate;
+    assert_eq!(used.size(), wanted.size());
+    assert_eq!(used.nmse_test, wanted.nmse_test);
+    assert!(recommendation.starts_with(&of_identify.recommendation));
     assert!(
-        recommendation.starts_with("Use Dahl, n = 1"),
+        recommendation.contains("of their lowest error is Dahl, n = 1 ("),
         "{recommendation}"
     );
+    is_the_cheapest_of_the_table(&comparison);
+}
+
+/// What is said to be the cheapest near the lowest error is, and keeps the bounds that are stated with it.
+fn is_the_cheapest_of_the_table(comparison: &Comparison) {
+    let chosen = comparison.cheapest.expect("one that fits");
+    let cycles = |m: &Compared| m.cost.as_ref().map_or(f64::INFINITY, |c| c.cycles_mean);
+    let takes_part = |m: &&Compared| cycles(m) <= 425.0 && m.candidate.at_edge.is_empty();
+    let part: Vec<&Compared> = comparison.models.iter().filter(takes_part).collect();
+    let errors = part.iter().map(|m| m.candidate.nmse_test);
+    let near = 1.2 * errors.fold(f64::INFINITY, f64::min);
+    let chosen = &comparison.models[chosen];
+    assert!(takes_part(&chosen) && chosen.candidate.nmse_test <= near);
+    for other in part.iter().filter(|m| m.candidate.nmse_test <= near) {
+        assert!(cycles(chosen) <= cycles(other), "{}", other.name());
+    }
+}
+
+/// A law at the bound of its search, or one that no tick has time for, is not the cheapest, and its error bounds no other's.
+#[test]
+fn a_law_at_its_bound_does_not_take_part() {
+    let text = recorded(|v, f| 1e5 * v * (1.0 - f / 0.9 * v.signum()), |_, f| f);
+    let recording = load_csv(text.as_bytes(), "made.csv", &LoadOptions::default()).unwrap();
+    let found = identify(&recording, &Options::default(), &Progress::new("", 0)).unwrap();
+    let scale = Scale {
+        amplitude: found.yield_range.1,
+        speed: found.top_speed(),
+    };
+    let model = |error: f64, cycles: f64, at_edge: &[&'static str]| {
+        let mut of = judged(found.best().clone(), scale).unwrap();
+        (of.candidate.nmse_test, of.candidate.at_edge) = (error, at_edge.to_vec());
+        of.cost.as_mut().expect("a cost").cycles_mean = cycles;
+        of
+    };
+    let models = [
+        model(0.10, 500.0, &[]),
+        model(0.11, 20.0, &["F_c/F_s"]),
+        model(0.17, 18.0, &[]),
+        model(0.15, 90.0, &[]),
+        model(0.19, 10.0, &[]),
+    ];
+    assert_eq!(cheapest(&models), Some(2));
+    assert_eq!(cheapest(&models[..2]), None);
 }
 
 /// A real recording, or `None` and a loud line where there is none.
@@ -109,7 +158,11 @@ fn tribometer() {
         gms.iter()
             .all(|m| m.candidate.nmse_test < 0.30 && m.memory.is_nonlocal())
     );
-    assert!(comparison.recommendation().starts_with("Use GMS, N = 1"));
+    assert!(
+        comparison
+            .recommendation()
+            .starts_with("Use GMS with 1 block")
+    );
     for open in ["Dahl", "LuGre"] {
         assert!(!of_kind(&comparison, open).memory.is_nonlocal());
     }

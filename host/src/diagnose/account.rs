@@ -112,8 +112,7 @@ impl Diagnosis {
     fn whose(&self) -> String {
         let whose = match (self.null.core.corrects, self.given_model.is_some()) {
             (true, _) => "Your simulation",
-            (_, true) if self.whole() > self.baseline.test => "Your model",
-            (_, true) => "Your model with its parameters refitted and a finer hysteresis",
+            (_, true) => "Your model",
             _ if self.fit.as_ref().is_some_and(|fit| fit.is_found()) => {
                 "The fit with a finer hysteresis"
             }
@@ -214,7 +213,9 @@ impl Diagnosis {
     /// The parameters of the user's model that are wrong, given and refitted.
     fn wrong_parameters(&self, recording: &Recording) -> String {
         let wrong = self.wrong();
-        let told = wrong.take(TOLD).map(|p| p.change(recording.effort_unit()));
+        let told = wrong
+            .take(TOLD)
+            .map(|p| p.change(recording.effort_unit(), p.found.value));
         told.collect::<Vec<_>>().join(", ")
     }
 
@@ -245,7 +246,7 @@ impl Diagnosis {
             return None;
         }
         let words = fit.words(recording);
-        Some(match fit.is_found() {
+        Some(match fit.is_found() && self.given_model.is_none() {
             true => format!(
                 "{words}; the diagnosis begins with {}: stretches in motion only, with as many blocks as they support",
                 left(self.baseline.test)

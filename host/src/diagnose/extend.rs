@@ -12,6 +12,7 @@ use preslide_fit::friction::{FrictionModel, MOST_BLOCKS};
 use preslide_fit::model::Model;
 use preslide_fit::recording::Recording;
 use preslide_fit::report::figures::three;
+use preslide_fit::simulate::force_of_motion;
 
 /// NMSE on rows held out, over that of the refitted core, up to which the user's own friction law stays: more is a hysteresis that it does not
 /// have.
@@ -25,6 +26,8 @@ pub struct Extended {
     pub refused: Vec<String>,
     /// What of the user's model it replaces, each in a clause.
     pub replaces: Vec<String>,
+    /// The user's model as it is, since nothing that was found leaves less.
+    pub is_as_given: bool,
 }
 
 /// A model, and its NMSE (%) on rows held out: what the file leaves, and what its parameters cost on rows that they were not fitted to.
@@ -37,7 +40,8 @@ struct Candidate {
 const WEAKEST: f64 = 0.005;
 
 impl Diagnosis {
-    /// The extended model, of the user's or of the fit's: never one that leaves more on rows held out than that. Against a simulation the effects are
+    /// The extended model, of the user's or of the fit's: never one that leaves more on rows held out, or by the simulation that
+    /// `preslide simulate` makes. Against a simulation the effects are
     /// what it lacks, and inertia and friction are the recording's own, which their levels refer to.
     pub fn extended_model(&self, recording: &Recording, user: Option<&Model>) -> Extended {
         let null = &self.null;
@@ -82,17 +86,25 @@ impl Diagnosis {
         let own = candidate(own, given.refitted.test - given.refitted.train);
         let core = candidate(core, self.extended.test - self.extended.train);
         let wrong_shape = self.confident().any(|e| matches!(e.name, Name::Hysteresis));
-        let best = match (own, core) {
-            (Some(own), Some(core)) if wrong_shape || own.left > AS_GOOD * core.left => core,
-            (Some(own), _) => own,
-            (None, Some(core)) => core,
-            (None, None) => return as_given(user),
+        let of_the_core = match (&own, &core) {
+            (Some(own), Some(core)) => wrong_shape || own.left > AS_GOOD * core.left,
+            _ => false,
         };
-        if best.left < given.stands {
-            best.written
-        } else {
-            as_given(user)
+        let mut in_turn = [own, core];
+        if of_the_core {
+            in_turn.reverse();
         }
+        let simulated = |model: &Model| {
+            let found = force_of_motion(model, recording).ok()?;
+            Some(found.agreement?.nmse)
+        };
+        let stands = simulated(user);
+        let leaves_less = |c: &Candidate| {
+            let by_simulation = simulated(&c.written.model).zip(stands);
+            c.left < given.stands && by_simulation.is_none_or(|(left, stands)| left < stands)
+        };
+        let mut better = in_turn.into_iter().flatten().filter(leaves_less);
+        better.next().map_or_else(|| as_given(user), |c| c.written)
     }
 
     /// The confident effects on the user's own friction law, its parameters refitted.
@@ -110,6 +122,7 @@ impl Diagnosis {
             replaces: changes(user, &model),
             model,
             refused,
+            is_as_given: false,
         }
     }
 
@@ -181,6 +194,7 @@ impl Diagnosis {
             model,
             refused,
             replaces,
+            is_as_given: false,
         }
     }
 }
@@ -211,6 +225,7 @@ fn as_given(user: &Model) -> Extended {
             "nothing: no refit leaves less on stretches held out than the model as it is"
                 .to_owned(),
         ],
+        is_as_given: true,
     }
 }
 
@@ -224,7 +239,11 @@ fn changes(user: &Model, model: &Model) -> Vec<String> {
         ("constant force", user.constant_force, model.constant_force),
     ];
     let changed = pairs.into_iter().filter(|(_, from, to)| from != to);
-    changed
+    let mut changed: Vec<String> = changed
         .map(|(what, from, to)| format!("{what} {} by {}", three(from), three(to)))
-        .collect()
+        .collect();
+    if model.viscous < 0.0 {
+        changed.push("a friction that does not fall with speed by one that does: do not use it beyond the speeds of the recording".to_owned());
+    }
+    changed
 }

@@ -8,7 +8,7 @@ use super::normal::{Bound, Normal};
 use super::null_model::{Hypothesis, Nmse, NullModel};
 use super::term::{Subject, Term};
 use super::weak::Column;
-use preslide_fit::effects::form;
+use preslide_fit::effects::{Effect, form};
 use preslide_fit::model::Model;
 use preslide_fit::recording::Recording;
 use preslide_fit::statistics::{Estimate, jackknife};
@@ -130,7 +130,10 @@ impl Given {
         }
         let target = left(&rows.force, &fixed);
         let fit = Fit::of(null, terms, shares, &target)?;
-        let split = fit.split_by_direction(null, terms, model, &target);
+        // A model that has a viscous friction of each direction has it in two numbers, not three.
+        let has_one = model.of(&form::VISCOUS_ASYMMETRY).next().is_none();
+        let split = has_one.then(|| fit.split_by_direction(null, terms, model, &target));
+        let split = split.flatten();
         let by_direction = split.and_then(|split| split.parameters(null, model));
         let own = fit.parameters(null, model)?;
         let mut model = model.clone();
@@ -393,6 +396,31 @@ impl Share {
 }
 
 impl Refitted {
+    /// What `model` has of it, which was written for one with the effects of `given`.
+    pub(super) fn written(&self, given: &Model, model: &Model) -> f64 {
+        let half_difference = || {
+            let mut own = model.of(&form::VISCOUS_ASYMMETRY);
+            own.next()
+                .map_or(0.0, |e| e.get("half_difference_N_s_per_m"))
+        };
+        match self.part {
+            Part::Inertia => model.inertia,
+            Part::Level => model.friction.breakaway().unwrap_or(0.0),
+            Part::Viscous => model.viscous,
+            Part::ViscousOf(direction) => model.viscous + direction * half_difference(),
+            Part::Constant => model.constant_force,
+            Part::Effect(number) => {
+                let form = given.effects[number].form;
+                let before = given.effects[..number].iter();
+                let own = model
+                    .of(form)
+                    .nth(before.filter(|e| e.id() == form.id).count());
+                let size = |e: &Effect| SIZES.into_iter().find(|key| e.has(key)).map(|k| e.get(k));
+                own.and_then(size).unwrap_or(0.0)
+            }
+        }
+    }
+
     /// Puts it into a model.
     fn enter(&self, model: &mut Model) {
         let value = self.found.value;

@@ -136,13 +136,13 @@ impl Diagnosis {
             .filter(|g| !g.parameters.is_empty())?;
         let row = |p: &Refitted| {
             let differs = if p.differs { "differs" } else { "" };
-            let mut cells = Vec::from(p.words(recording.effort_unit()));
+            let mut cells = Vec::from(p.words(recording.effort_unit(), self.written_of(p)));
             cells.extend([format!("{:.3}", p.worth), differs.to_owned()]);
             cells
         };
         Some(Table {
-            caption: "Parameters of the model, given and refitted; worth: what the difference alone leaves, % of the variance".to_owned(),
-            head: ["parameter", "given", "refitted", "worth %", ""]
+            caption: "Parameters of the model, given, refitted on its own law, and as -o writes them; worth: what the difference alone leaves, % of the variance".to_owned(),
+            head: ["parameter", "given", "refitted", "-o", "worth %", ""]
                 .map(String::from)
                 .to_vec(),
             rows: given.parameters.iter().map(row).collect(),

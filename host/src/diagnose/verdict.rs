@@ -9,6 +9,7 @@ use super::correction::Correction;
 use super::credible::{INCREDIBLE, doubt_harmonics, sieved};
 use super::drift::drift;
 use super::effect::{self, Effect};
+use super::extend::Extended;
 use super::fit::Fit;
 use super::given::Given;
 use super::hysteresis::{self, Shape};
@@ -125,6 +126,8 @@ pub struct Diagnosis {
     pub second_positions: Vec<SecondPosition>,
     /// The fit that every command reports.
     pub fit: Option<Arc<Fit>>,
+    /// What `-o` writes of the user's model.
+    pub(super) written: Option<Extended>,
     /// Why the fit lets nothing be called consistent.
     pub(super) doubt: Option<String>,
 }
@@ -221,6 +224,13 @@ pub fn conclude(
         effects.retain(|e| recurs || e.id() != own.id());
         effects.push(own);
     }
+    if let Some(given) = given_model.as_ref().filter(|g| g.stands < baseline.test) {
+        // What the model leaves as it stands nothing takes more than, whatever the core leaves that names are judged on.
+        let stands = given.stands;
+        (baseline.train, baseline.test) = (stands, stands);
+        let told = effects.iter_mut().flat_map(|e| &mut e.nmse_test);
+        told.filter(|n| **n > stands).for_each(|n| *n = stands);
+    }
     effects.sort_by(|a, b| {
         (b.is_missing(), b.confident, b.evidence.share)
             .partial_cmp(&(a.is_missing(), a.confident, a.evidence.share))
@@ -234,7 +244,8 @@ pub fn conclude(
     let apart = [event, drift(&found)];
     // Where nothing is missing, nothing is added.
     let adds = effects.iter().any(Named::is_missing);
-    let after = if !adds && (null.core.corrects || reached.test > baseline.test) {
+    let stays = given_model.is_some() || !adds;
+    let after = if (!adds && null.core.corrects) || (stays && reached.test > baseline.test) {
         baseline
     } else {
         reached
@@ -328,6 +339,7 @@ pub fn conclude(
         reproduced: None,
         second_positions: Vec::new(),
         fit: None,
+        written: None,
         doubt: None,
     })
 }

@@ -106,21 +106,22 @@ impl Named {
 }
 
 impl Refitted {
-    /// Its name for people, and of an effort in such a unit what it is given and what was found.
-    pub(super) fn words(&self, effort: &str) -> [String; 3] {
+    /// Its name for people, and of an effort in such a unit what it is given, what was found and what is `written`.
+    pub(super) fn words(&self, effort: &str, written: f64) -> [String; 4] {
         let (name, unit) = name_and_unit(&self.key, effort);
         let found = estimate(self.found.value, self.found.ci95, &unit);
-        [
-            name,
-            quantity(self.given, &unit),
-            found.trim_end().to_owned(),
-        ]
+        let [given, written] = [self.given, written].map(|value| quantity(value, &unit));
+        [name, given, found.trim_end().to_owned(), written]
     }
 
-    /// From what to what: `mass 9.62 kg → 12.90 ± 0.05 kg`.
-    pub(super) fn change(&self, effort: &str) -> String {
-        let [name, given, found] = self.words(effort);
-        format!("{name} {given} → {found}")
+    /// From what to what it is `written`: `mass 9.62 kg → 12.90 ± 0.05 kg`.
+    pub(super) fn change(&self, effort: &str, written: f64) -> String {
+        let [name, given, found, other] = self.words(effort, written);
+        let to = match written == self.found.value {
+            true => found,
+            false => other,
+        };
+        format!("{name} {given} → {to}")
     }
 }
 
@@ -491,14 +492,20 @@ impl Diagnosis {
             }
             (Verdict::UnknownPhysics, Some(unknown)) => unknown.advice(self),
             (Verdict::UnknownPhysics, None) => "look at the maps of what is left on the page of --report; nothing in the catalogue explains it.".to_owned(),
-            _ => self.keep(),
+            _ => self.keep(recording),
         };
         let said = matches!(
             self.verdict,
             Verdict::ParametersDiffer | Verdict::Consistent
         );
         if said || self.wrong().next().is_none() {
-            return format!("Recommendation: {advice}");
+            let in_vain = match self.missing().next().is_some() && self.writes_as_given(recording) {
+                true => {
+                    " `-o FILE` writes the model as it is: no refit with that in it leaves less on stretches held out."
+                }
+                false => "",
+            };
+            return format!("Recommendation: {advice}{in_vain}");
         }
         // What is worth more comes first.
         let names: f64 = self.budget.iter().map(|item| item.nmse).sum();
@@ -566,8 +573,18 @@ impl Diagnosis {
 
     /// Where numbers of the model are wrong.
     fn correct(&self, recording: &Recording) -> String {
-        let wrong = self.wrong();
-        let each: Vec<String> = wrong.map(|p| p.change(recording.effort_unit())).collect();
+        let wrong: Vec<&Refitted> = self.wrong().collect();
+        if self.writes_as_given(recording) {
+            let name = |p: &&Refitted| name_and_unit(&p.key, recording.effort_unit()).0;
+            let names: Vec<String> = wrong.iter().map(name).collect();
+            return format!(
+                "keep {} until another recording says the same: no refit leaves less on stretches held out than the model as it is, which is what `-o FILE` writes.",
+                names.join(", ")
+            );
+        }
+        let effort = recording.effort_unit();
+        let change = |p: &&Refitted| p.change(effort, self.written_of(p));
+        let each: Vec<String> = wrong.iter().map(change).collect();
         let is_constant = |p: &Refitted| p.key.starts_with(form::CONSTANT_FORCE.id);
         let either = match self.wrong().any(is_constant) {
             true => {
@@ -581,8 +598,24 @@ impl Diagnosis {
         )
     }
 
+    /// Whether `-o` writes the user's model, or the fit's, as it is.
+    fn writes_as_given(&self, recording: &Recording) -> bool {
+        match &self.written {
+            Some(written) => written.is_as_given,
+            None => self.fit.is_some() && self.extended_model(recording, None).is_as_given,
+        }
+    }
+
+    /// What the model that `-o` writes has of a parameter.
+    pub(super) fn written_of(&self, parameter: &Refitted) -> f64 {
+        let models = self.given_model.as_ref().zip(self.written.as_ref());
+        models.map_or(parameter.found.value, |(given, written)| {
+            parameter.written(&given.model, &written.model)
+        })
+    }
+
     /// Where nothing material is missing; the likeliest suspicion is worth an experiment at most.
-    fn keep(&self) -> String {
+    fn keep(&self, recording: &Recording) -> String {
         /// Times the measured noise up to which what is left is noise.
         const NOISE: f64 = 1.5;
         let unrepeated = self.unrepeated.unwrap_or(0.0);
@@ -604,7 +637,7 @@ impl Diagnosis {
         let refitted = self
             .given_model
             .iter()
-            .find(|g| g.refitted.test < 0.5 * g.stands);
+            .find(|g| g.refitted.test < 0.5 * g.stands && !self.writes_as_given(recording));
         let keep = keep + &refitted.map_or(String::new(), |given| {
             format!(
                 " With its parameters refitted it leaves {} instead of {}, though none is off by as much as a machine changes from day to day (`-o FILE` writes it).",

@@ -72,8 +72,11 @@ impl Visitor for Held {
     fn visit<M: preslide::Friction<Scalar = f64>>(self, _model: M) {}
 }
 
-/// An error where the model has effects that no controller can use: which, why, and the options that leave them out.
-fn no_refused(model: &Model) -> Result<(), String> {
+/// Whether a controller can use all that a model has.
+///
+/// # Errors
+/// Which effects none can use, why, and the options that leave them out.
+pub fn no_refused(model: &Model) -> Result<(), String> {
     let refused = refused(model);
     if refused.is_empty() {
         return Ok(());

@@ -12,7 +12,7 @@ use crate::export::{carried, refused};
 use preslide::ParamError;
 use preslide_fit::effects::Effect;
 use preslide_fit::friction::{FrictionModel, Path};
-use preslide_fit::identify::{Identification, Method};
+use preslide_fit::identify::Identification;
 use preslide_fit::kernel::{Arithmetic, Counts, Kernel};
 use preslide_fit::model::Model;
 use preslide_fit::recording::Recording;
@@ -126,7 +126,7 @@ pub fn of_model(
         model: model.clone(),
         nmse_test: None,
     };
-    tuning(&[sized], model, &motion, None, costs, budget)
+    tuning(&[sized], (model, None), &motion, costs, budget)
 }
 
 /// Tunes what `identify` found on a recording, at every number of blocks, beside the effects of `model`.
@@ -142,9 +142,7 @@ pub fn of_recording(
     budget: Budget,
 ) -> Result<Tuning, String> {
     let models: Vec<Sized> = found
-        .candidates
-        .iter()
-        .filter(|c| c.size() > 0 && c.method == Method::Optimal)
+        .optimal()
         .map(|c| Sized {
             model: c.model.clone(),
             nmse_test: Some(c.nmse_test),
@@ -155,6 +153,12 @@ pub fn of_recording(
             "identify found no Maxwell-slip model in this recording; try `preslide compare`"
                 .to_owned(),
         );
+    }
+    if found.best().size() == 0 {
+        return Err(format!(
+            "{}: `preslide identify` recommends Coulomb + viscous friction for this recording, which has no blocks to tune; `preslide identify … --blocks N -o MODEL.toml` and `preslide tune MODEL.toml` without --recording tune so many all the same",
+            recording.name
+        ));
     }
     let motion = Motion {
         position: recording
@@ -167,10 +171,7 @@ pub fn of_recording(
         count,
         sample_time: recording.sample_time_s(),
     };
-    let mean = found.effort.iter().sum::<f64>() / found.effort.len() as f64;
-    let variance =
-        found.effort.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / found.effort.len() as f64;
-    tuning(&models, model, &motion, Some(variance), costs, budget)
+    tuning(&models, (model, Some(found)), &motion, costs, budget)
 }
 
 /// A motion in counts.
@@ -261,15 +262,19 @@ fn made_up_strokes(
 /// Every kernel tried with every model, and the one to take.
 fn tuning(
     models: &[Sized],
-    with_effects: &Model,
+    (with_effects, found): (&Model, Option<&Identification>),
     motion: &Motion,
-    variance: Option<f64>,
     costs: &CostTable,
     budget: Budget,
 ) -> Result<Tuning, String> {
     let refused = refused(with_effects);
     let mut effects = carried(with_effects);
     effects.retain(|effect| refused.iter().all(|(id, _)| *id != effect.id()));
+    let variance = found.map(|found| {
+        let samples = found.effort.len() as f64;
+        let mean = found.effort.iter().sum::<f64>() / samples;
+        found.effort.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / samples
+    });
     let bench = Bench {
         motion,
         variance,
@@ -291,7 +296,7 @@ fn tuning(
     notes.extend(without_kernel(&without));
     notes.extend(cycles_notes(&choices));
     Ok(Tuning {
-        recommended: recommend(&choices, budget),
+        recommended: recommend(&choices, budget, found),
         choices,
         notes,
         budget,

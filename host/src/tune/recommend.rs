@@ -1,37 +1,36 @@
 //! Which choice to take, and why.
 
 use super::{Budget, Choice};
+use preslide_fit::identify::{Candidate, Identification};
 
-/// Another block is worth its cycles if it takes away a tenth of the error…
-const WORTH: f64 = 0.1;
-/// …and at least this much of it (percentage points of NMSE).
-const LEAST_WORTH: f64 = 0.05;
 /// Arithmetic may add this much (% of `F_s`, rms), and no kernel that adds more is recommended.
 const ARITHMETIC: f64 = 0.5;
 
-/// The fewest blocks after which no more are worth their cycles, in the cheapest arithmetic that adds little: its index and the
-/// reason, or why there is none.
-pub(super) fn recommend(choices: &[Choice], budget: Budget) -> Result<(usize, String), String> {
+/// As many blocks as `identify` recommends, where it `found` any and so many fit, in the cheapest arithmetic that adds little: its index and the reason,
+/// or why there is none.
+pub(super) fn recommend(
+    choices: &[Choice],
+    budget: Budget,
+    found: Option<&Identification>,
+) -> Result<(usize, String), String> {
     let fitting = fitting(choices, budget)?;
     let sound = |c: &&Choice| c.arithmetic <= ARITHMETIC;
-    let pool: Vec<&Choice> = fitting.iter().copied().filter(sound).collect();
+    let mut pool: Vec<&Choice> = fitting.iter().copied().filter(sound).collect();
     if pool.is_empty() {
         return Err(too_coarse(choices, &fitting));
     }
-    let best = pool
-        .iter()
-        .filter_map(|c| c.nmse_test)
-        .fold(f64::INFINITY, f64::min);
-    let enough = |c: &&&Choice| {
-        c.nmse_test
-            .is_none_or(|nmse| nmse <= best + (WORTH * best).max(LEAST_WORTH))
+    if let Some(found) = found {
+        let has = |blocks| pool.iter().any(|c| c.cost.blocks == blocks);
+        let size = found.recommended_among(has).map(Candidate::size);
+        pool.retain(|c| Some(c.cost.blocks) == size);
+    }
+    // A kernel asks for its controller's arithmetic: what counts is the tick that both make, where that is known of all.
+    let ticks = pool.iter().all(|c| c.tick.is_some());
+    let takes = |c: &Choice| match c.tick.filter(|_| ticks) {
+        Some(tick) => tick.worst,
+        None => c.cost.cycles_worst,
     };
-    // A kernel asks for its controller's arithmetic: what counts is the tick that both make, where it is known.
-    let takes = |c: &Choice| c.tick.map_or(c.share, |tick| budget.share_of(tick.worst));
-    let chosen = pool.iter().filter(enough).min_by(|a, b| {
-        let blocks = a.cost.blocks.cmp(&b.cost.blocks);
-        blocks.then(takes(a).total_cmp(&takes(b)))
-    });
+    let chosen = pool.iter().min_by(|a, b| takes(a).total_cmp(&takes(b)));
     let Some(chosen) = chosen else {
         return Err("no choice has a finite error; see the notes".to_owned());
     };
@@ -39,7 +38,8 @@ pub(super) fn recommend(choices: &[Choice], budget: Budget) -> Result<(usize, St
         .iter()
         .position(|c| std::ptr::eq(c, *chosen))
         .unwrap_or(0);
-    let (accuracy, cycles) = (why_so_many(chosen, best), what_it_takes(chosen, budget));
+    let accuracy = why_so_many(chosen, found);
+    let cycles = what_it_takes(chosen, budget, ticks);
     Ok((index, format!("{accuracy}; {cycles}")))
 }
 
@@ -107,35 +107,40 @@ fn too_coarse(choices: &[Choice], fitting: &[&Choice]) -> String {
     )
 }
 
-/// The number of blocks, beside the `best` error (% NMSE) of all that fit.
-fn why_so_many(chosen: &Choice, best: f64) -> String {
+/// The number of blocks.
+fn why_so_many(chosen: &Choice, found: Option<&Identification>) -> String {
     let blocks = chosen.cost.blocks;
-    match chosen.nmse_test {
-        Some(nmse) if blocks == 1 => {
-            format!(
-                "N = 1 is enough here: it leaves {nmse:.2} % NMSE on motion held out, and no larger model within the budget less than {best:.2} %"
-            )
-        }
-        Some(nmse) => format!(
-            "N = {blocks} leaves {nmse:.2} % NMSE on motion held out; more blocks within the budget reach {best:.2} % at best, fewer leave over a tenth more"
-        ),
-        None => format!("the model has N = {blocks}; give --recording to have N chosen as well"),
+    let (Some(found), Some(nmse)) = (found, chosen.nmse_test) else {
+        return format!("the model has N = {blocks}; give --recording to have N chosen as well");
+    };
+    let wanted = found.best();
+    if wanted.size() == blocks {
+        return format!(
+            "`preslide identify` recommends so many blocks, which leave {nmse:.2} % NMSE on motion held out"
+        );
     }
+    format!(
+        "of the N = {} that `preslide identify` recommends ({:.2} % NMSE on motion held out) no arithmetic within the budget is so exact; of the sizes of which one is, N = {blocks} is recommended by the same rule, and leaves {nmse:.2} %",
+        wanted.size(),
+        wanted.nmse_test,
+    )
 }
 
-/// The arithmetic, its rounding and its share of the processor.
-fn what_it_takes(chosen: &Choice, budget: Budget) -> String {
-    let whole = chosen.tick.map_or(String::new(), |tick| {
+/// The arithmetic, its rounding and its share of the processor; `ticks` says whether the whole tick decided.
+fn what_it_takes(chosen: &Choice, budget: Budget, ticks: bool) -> String {
+    let whole = chosen.tick.filter(|_| ticks).map(|tick| {
         format!(
-            "; the whole control tick then takes {} at worst, {:.0} cycles",
-            percent(budget.share_of(tick.worst)),
-            tick.worst
+            "the shortest control tick at worst, {:.0} cycles or {} of the processor",
+            tick.worst,
+            percent(budget.share_of(tick.worst))
         )
     });
     format!(
-        "{} ({}) is the cheapest arithmetic that adds at most {ARITHMETIC} % of the breakaway force (it adds {:.3} %) and takes {} of the processor at worst, {:.0} cycles a tick, of {} allowed{whole}",
+        "of all arithmetic for N = {} within the budget that adds at most {ARITHMETIC} % of the breakaway force, {} ({}) makes {} (it adds {:.3} %); friction takes {} of the processor at worst, {:.0} cycles a tick, of {} allowed",
+        chosen.cost.blocks,
         chosen.kernel.name(),
         chosen.kernel.description(),
+        whole.unwrap_or_else(|| "the fewest cycles at worst".to_owned()),
         chosen.arithmetic,
         percent(chosen.share),
         chosen.cost.cycles_worst,

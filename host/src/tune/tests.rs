@@ -1,8 +1,13 @@
 use super::cores::{Comparison, OnCore, budget_on};
-use super::{Budget, of_model};
+use super::recommend::recommend;
+use super::{Budget, of_model, of_recording};
 use crate::cost::{CORES, CostTable};
+use preslide_fit::identify::{Options, identify};
 use preslide_fit::kernel::Kernel;
 use preslide_fit::model::Model;
+use preslide_fit::progress::Progress;
+use preslide_fit::recording::{LoadOptions, load_csv};
+use preslide_host_tests::path::recorded;
 
 fn model(blocks: &str) -> Model {
     let text = format!(
@@ -164,7 +169,7 @@ fn nothing_is_recommended_that_adds_more_than_the_bound() {
     for (added, fits) in [(0.3, true), (0.7, false), (107.6, false), (f64::NAN, false)] {
         let mut choices = tuning.choices.clone();
         choices.iter_mut().for_each(|c| c.arithmetic = added);
-        let told = super::recommend::recommend(&choices, budget(0.05));
+        let told = recommend(&choices, budget(0.05), None);
         assert_eq!(told.is_ok(), fits, "{added}: {told:?}");
         if let Err(reason) = told {
             assert!(reason.contains("adds at most 0.5 %"), "{reason}");
@@ -176,6 +181,34 @@ fn nothing_is_recommended_that_adds_more_than_the_bound() {
         let exact = choice.kernel == Kernel::GmsF32;
         (choice.arithmetic, choice.share) = if exact { (0.0, 0.08) } else { (3.0, 0.01) };
     }
-    let reason = super::recommend::recommend(&choices, budget(0.05)).unwrap_err();
+    let reason = recommend(&choices, budget(0.05), None).unwrap_err();
     assert!(reason.contains("--budget 8.00% for gms_f32"), "{reason}");
+}
+
+/// As many blocks as `identify` recommends; where they are beyond the budget, what it would recommend of the rest. In either case the arithmetic is
+/// the one that the sentence says it is.
+#[test]
+fn a_recording_is_tuned_for_the_blocks_that_identify_recommends() {
+    let text = recorded(|v, f| 1e5 * v * (1.0 - f / 0.9 * v.signum()), |_, f| f);
+    let recording = load_csv(text.as_bytes(), "made.csv", &LoadOptions::default()).unwrap();
+    let found = identify(&recording, &Options::default(), &Progress::new("", 0)).unwrap();
+    let wanted = found.best().size();
+    assert!(wanted > 1);
+    let (costs, budget) = (CostTable::of_cpu("cortex-m4").unwrap(), budget(0.05));
+    let tuning = of_recording(&recording, &found, &model(TWO), 25e-9, &costs, budget).unwrap();
+    let of_fewer = tuning.choices.iter().filter(|c| c.cost.blocks < wanted);
+    let of_fewer: Vec<super::Choice> = of_fewer.cloned().collect();
+    let fewer = found.recommended_among(|n| n < wanted).expect("fewer");
+    for (choices, blocks) in [(&tuning.choices, wanted), (&of_fewer, fewer.size())] {
+        let (index, reason) = recommend(choices, budget, Some(&found)).unwrap();
+        let chosen = &choices[index];
+        assert_eq!(chosen.cost.blocks, blocks, "{reason}");
+        let worst = |c: &super::Choice| c.tick.unwrap().worst;
+        let rivals = choices
+            .iter()
+            .filter(|c| c.cost.blocks == blocks && c.arithmetic <= 0.5);
+        assert!(rivals.into_iter().all(|c| worst(chosen) <= worst(c)));
+        let said = format!("control tick at worst, {:.0} cycles", worst(chosen));
+        assert!(reason.contains(&said), "{reason}");
+    }
 }

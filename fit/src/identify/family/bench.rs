@@ -2,7 +2,8 @@
 
 use super::fit::{Data, Fit};
 use super::{Family, Span};
-use crate::identify::{Candidate, Identification, Method, steps, typical};
+use crate::effects::Effect;
+use crate::identify::{Candidate, Identification, Method, effects_of, steps, typical};
 use crate::progress::Progress;
 use crate::recording::Recording;
 use crate::signal::Kinematics;
@@ -21,10 +22,12 @@ pub struct Bench<'a> {
     span: Span,
     split: &'a Split,
     train: Vec<usize>,
+    /// What lies between the machine and the recorded effort, and was taken off that.
+    channel: Vec<Effect>,
 }
 
 impl<'a> Bench<'a> {
-    /// With the effort, the split and the range of yields that `identify` used.
+    /// With the effort, the split, the channel and the range of yields that `identify` found.
     pub fn new(
         recording: &'a Recording,
         kinematics: &'a Kinematics,
@@ -54,6 +57,7 @@ impl<'a> Bench<'a> {
             },
             split: &found.split,
             train,
+            channel: effects_of(&found.channel).collect(),
         }
     }
 
@@ -94,6 +98,8 @@ impl<'a> Bench<'a> {
         let names = named(&best).into_iter().enumerate();
         let rigid_body = names.map(|(i, (name, _))| (name, estimate(&|fit| named(fit)[i].1.value)));
         let rigid_body = rigid_body.collect();
+        let mut model = best.model.clone();
+        model.effects.extend(self.channel.iter().cloned());
         let scalars = best.model.friction.scalars();
         let parameters = scalars.iter().enumerate();
         Ok(Some(Candidate {
@@ -107,7 +113,7 @@ impl<'a> Bench<'a> {
             at_edge: best.at_edge.clone(),
             method: Method::Descent(family),
             fitted,
-            ..Candidate::new(best.model.clone())
+            ..Candidate::new(model)
         }))
     }
 

@@ -21,6 +21,12 @@ const STARTS: usize = 3;
 /// Pieces of a recording, and samples in them, that starts are told apart by.
 const PIECES: usize = 2;
 const FEWEST: usize = 2_000;
+/// Samples from which on these are stretches of pieces, how many, and how long each.
+const LONG: usize = 12_000;
+const STRETCHES: usize = 3;
+const STRETCH: usize = 2_000;
+/// Share of a stretch at either end that is run and not scored: the motion before is unknown there.
+const SETTLES: usize = 8;
 /// Most residuals; above, only every second, third, … sample is scored, while the model still runs along all.
 const MOST_SCORED: usize = 20_000;
 /// How hard the optimiser tries: the relative gain in the error that no longer counts, and the most trials.
@@ -141,7 +147,13 @@ impl Data<'_> {
     /// Fits `family` to the samples `rows` from several starts; `None` where no start leads to a force that
     /// resists the motion. The same `seed` gives the same answer.
     pub fn fit(&self, family: Family, span: &Span, rows: &[usize], seed: u64) -> Option<Fit> {
-        let mut problem = Problem::new(self, family, span, &self.screened(rows))?;
+        let screened = self.in_stretches(rows);
+        let screened =
+            screened.and_then(|(on, rows)| Problem::along(self, family, span, &on, &rows));
+        let mut problem = match screened {
+            Some(problem) => problem,
+            None => Problem::new(self, family, span, &self.screened(rows))?,
+        };
         // Hsieh's C_v·dx_s/dt is so near the viscous part that this stands in for it during the search, which
         // saves half of the model's many steps.
         problem.damped &= family != Family::Hsieh;
@@ -176,6 +188,25 @@ impl Data<'_> {
             true => rows.to_vec(),
             false => screened,
         }
+    }
+
+    /// The same of a long recording: stretches all over it, and samples in them.
+    fn in_stretches(&self, rows: &[usize]) -> Option<(Vec<Range<usize>>, Vec<usize>)> {
+        let cut = |piece: &Range<usize>| {
+            let (starts, end) = (piece.clone().step_by(STRETCH), piece.end);
+            starts.map(move |start| start..(start + STRETCH).min(end))
+        };
+        let stretches: Vec<Range<usize>> = self.path.pieces.iter().flat_map(cut).collect();
+        let every = stretches.len().div_ceil(STRETCHES).max(1);
+        let on: Vec<Range<usize>> = stretches.into_iter().step_by(every).collect();
+        let inner = |of: &Range<usize>| {
+            let margin = of.len() / SETTLES;
+            of.start + margin..of.end - margin
+        };
+        let scored: Vec<Range<usize>> = on.iter().map(inner).collect();
+        let own = |i: &&usize| scored.iter().any(|of| of.contains(*i));
+        let own: Vec<usize> = rows.iter().filter(own).copied().collect();
+        (rows.len() > LONG && own.len() >= FEWEST).then_some((on, own))
     }
 
     /// The fits to all groups of samples but one each, in their order: a step of Gauss and Newton from the fit to all, which lies so near that
@@ -271,6 +302,17 @@ fn share(angle: f64) -> f64 {
 
 impl<'a> Problem<'a> {
     fn new(data: &'a Data<'a>, family: Family, span: &Span, rows: &[usize]) -> Option<Self> {
+        Self::along(data, family, span, data.path.pieces, rows)
+    }
+
+    /// The same along some `pieces` of the motion alone.
+    fn along(
+        data: &'a Data<'a>,
+        family: Family,
+        span: &Span,
+        pieces: &[Range<usize>],
+        rows: &[usize],
+    ) -> Option<Self> {
         let every = rows.len().div_ceil(MOST_SCORED).max(1);
         let rows: Vec<usize> = rows.iter().copied().step_by(every).collect();
         let variation = Gram::of(&[data.effort], &rows).force_variation();
@@ -279,7 +321,7 @@ impl<'a> Problem<'a> {
             _ => data.effort.len(),
         };
         let scored = |piece: &&Range<usize>| rows.iter().any(|i| piece.contains(i));
-        let pieces = data.path.pieces.iter().filter(scored);
+        let pieces = pieces.iter().filter(scored);
         let pieces = pieces.map(|piece| piece.start..piece.end.min(end));
         let pieces = pieces.collect();
         (variation > 0.0).then(|| Self {

@@ -2,7 +2,10 @@
 
 use super::*;
 use column::Kind;
+use preslide_fit::effects::Effect;
 use preslide_fit::recording::Extra;
+use preslide_fit::report::figures::three;
+use preslide_fit::simulate::force_of_motion;
 
 /// The made machine's own model, its friction level and inertia times factors, with viscous friction (N·s/m).
 fn model(level: f64, inertia: f64, viscous: f64) -> Model {
@@ -35,6 +38,9 @@ fn reports_wrong_parameters_and_no_right_ones() {
     let own = right.given_model.as_ref().expect("a model");
     println!("{} {}", own.stands, own.refitted.test);
     assert!(own.stands < 1.2 * own.refitted.test && own.wrong().next().is_none());
+    // Nothing takes more than what the model leaves as it stands.
+    assert!(right.baseline.test <= own.stands);
+    assert!(right.extended.test <= own.stands);
 
     for (given, key, value) in [
         (model(0.7, 1.0, 8.0), "breakaway_N", 3.0),
@@ -61,11 +67,60 @@ fn reports_wrong_parameters_and_no_right_ones() {
         assert!(found.recommendation(&recording).contains(key));
         // What is written is never worse than what was given, and says what it replaces.
         let extended = found.extended_model(&recording, Some(&given));
+        let written = [
+            extended.model.inertia,
+            extended.model.friction.breakaway().unwrap(),
+        ];
+        let written = written[usize::from(key == "breakaway_N")];
+        let recommended = found.recommendation(&recording);
+        assert!(
+            recommended.contains(&format!("to {}", three(written))),
+            "{recommended}"
+        );
+        let left = |m: &Model| {
+            force_of_motion(m, &recording)
+                .unwrap()
+                .agreement
+                .unwrap()
+                .nmse
+        };
+        assert!(left(&extended.model) < left(&given));
         let again = told(&recording, Some(&extended.model));
         let stands = |d: &Diagnosis| d.given_model.as_ref().map(|g| g.stands);
         assert!(stands(&again) < stands(&found).map(|s| s / 3.0));
         assert!(!extended.replaces.is_empty());
         assert_eq!(again.verdict, Verdict::Consistent);
+    }
+}
+
+/// Viscous friction of each direction is two numbers: a model that has it is not split into three.
+#[test]
+fn viscous_friction_by_direction_is_told_once() {
+    let recording = made(|_, _, v| 8.0 * v + 3.0 * v.abs());
+    let mut given = model(1.0, 1.0, 8.0);
+    given
+        .effects
+        .push(Effect::of(&form::VISCOUS_ASYMMETRY, &[1.0]));
+    let found = told(&recording, Some(&given));
+    let own = found.given_model.as_ref().expect("a model");
+    let wrong: Vec<&str> = own.wrong().map(|p| p.key.as_str()).collect();
+    assert_eq!(wrong, ["viscous_asymmetry.half_difference_N_s_per_m"]);
+    assert!(own.parameters.iter().all(|p| !p.key.ends_with("back")));
+}
+
+/// What is written leaves no more by the simulation that users make.
+#[test]
+fn a_refit_that_simulates_worse_is_not_written() {
+    let recording = made(|_, _, v| 8.0 * v);
+    let left = |m: &Model| {
+        let found = force_of_motion(m, &recording).expect("a simulation");
+        found.agreement.expect("an effort").nmse
+    };
+    for given in [model(1.0, 1.0, 8.0), model(0.9, 1.0, 8.0)] {
+        let extended = told(&recording, Some(&given)).extended_model(&recording, Some(&given));
+        let (before, after) = (left(&given), left(&extended.model));
+        println!("{before} {after}");
+        assert!(after < before || (extended.is_as_given && after == before));
     }
 }
 
