@@ -219,7 +219,7 @@ fn as_given(user: &Model) -> Extended {
         model: user.clone(),
         refused: Vec::new(),
         replaces: vec![
-            "nothing: no refit leaves less on stretches held out than the model as it is"
+            "nothing: no refit leaves less on stretches held out and by `preslide simulate` than the model as it is"
                 .to_owned(),
         ],
         is_as_given: true,
