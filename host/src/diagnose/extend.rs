@@ -86,25 +86,22 @@ impl Diagnosis {
         let own = candidate(own, given.refitted.test - given.refitted.train);
         let core = candidate(core, self.extended.test - self.extended.train);
         let wrong_shape = self.confident().any(|e| matches!(e.name, Name::Hysteresis));
-        let of_the_core = match (&own, &core) {
-            (Some(own), Some(core)) => wrong_shape || own.left > AS_GOOD * core.left,
-            _ => false,
+        let best = match (own, core) {
+            (Some(own), Some(core)) if wrong_shape || own.left > AS_GOOD * core.left => core,
+            (Some(own), _) => own,
+            (None, Some(core)) => core,
+            (None, None) => return as_given(user),
         };
-        let mut in_turn = [own, core];
-        if of_the_core {
-            in_turn.reverse();
-        }
         let simulated = |model: &Model| {
             let found = force_of_motion(model, recording).ok()?;
             Some(found.agreement?.nmse)
         };
-        let stands = simulated(user);
-        let leaves_less = |c: &Candidate| {
-            let by_simulation = simulated(&c.written.model).zip(stands);
-            c.left < given.stands && by_simulation.is_none_or(|(left, stands)| left < stands)
-        };
-        let mut better = in_turn.into_iter().flatten().filter(leaves_less);
-        better.next().map_or_else(|| as_given(user), |c| c.written)
+        let by_simulation = simulated(&best.written.model).zip(simulated(user));
+        if best.left < given.stands && by_simulation.is_none_or(|(left, stands)| left < stands) {
+            best.written
+        } else {
+            as_given(user)
+        }
     }
 
     /// The confident effects on the user's own friction law, its parameters refitted.
@@ -222,7 +219,7 @@ fn as_given(user: &Model) -> Extended {
         model: user.clone(),
         refused: Vec::new(),
         replaces: vec![
-            "nothing: no refit leaves less on stretches held out than the model as it is"
+            "nothing: no refit leaves less on stretches held out and by `preslide simulate` than the model as it is"
                 .to_owned(),
         ],
         is_as_given: true,
@@ -242,7 +239,7 @@ fn changes(user: &Model, model: &Model) -> Vec<String> {
     let mut changed: Vec<String> = changed
         .map(|(what, from, to)| format!("{what} {} by {}", three(from), three(to)))
         .collect();
-    if model.viscous < 0.0 {
+    if model.viscous < 0.0 && user.viscous >= 0.0 {
         changed.push("a friction that does not fall with speed by one that does: do not use it beyond the speeds of the recording".to_owned());
     }
     changed

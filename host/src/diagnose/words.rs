@@ -501,7 +501,7 @@ impl Diagnosis {
         if said || self.wrong().next().is_none() {
             let in_vain = match self.missing().next().is_some() && self.writes_as_given(recording) {
                 true => {
-                    " `-o FILE` writes the model as it is: no refit with that in it leaves less on stretches held out."
+                    " `-o FILE` writes the model as it is: no refit with that in it leaves less on stretches held out and by `preslide simulate`."
                 }
                 false => "",
             };
@@ -578,7 +578,7 @@ impl Diagnosis {
             let name = |p: &&Refitted| name_and_unit(&p.key, recording.effort_unit()).0;
             let names: Vec<String> = wrong.iter().map(name).collect();
             return format!(
-                "keep {} until another recording says the same: no refit leaves less on stretches held out than the model as it is, which is what `-o FILE` writes.",
+                "keep {} until another recording says the same: no refit leaves less on stretches held out and by `preslide simulate` than the model as it is, which is what `-o FILE` writes.",
                 names.join(", ")
             );
         }
