@@ -566,7 +566,7 @@ fn stick_and_slip_is_told_by_its_levels() {
         for said in [identified, diagnosed] {
             let said = said.expect("a refusal");
             assert!(
-                said.contains("hunts") && said.contains("89.1 ± 1.9 mNm"),
+                said.contains("hunts") && said.contains("89.1 ± 1.9 mN·m"),
                 "{said}"
             );
         }
