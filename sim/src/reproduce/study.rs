@@ -60,9 +60,7 @@ impl Figure6 {
         )
         .column("model", |row| row.name.clone())
         .column("parameters", |row| origin(row))
-        .column("closure [N]", |row| {
-            format!("{:.1e}", row.closure.largest)
-        })
+        .column("closure [N]", |row| format!("{:.1e}", row.closure.largest))
         .column("inner loops", |row| {
             let closure = &row.closure;
             match (closure.is_nonlocal(), closure.remembers) {
