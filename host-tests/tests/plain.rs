@@ -576,7 +576,7 @@ fn recognises_stick_slip_by_its_levels() {
         for said in [identified, diagnosed] {
             let said = said.expect("a refusal");
             assert!(
-                said.contains("hunts") && said.contains("89.1 ± 1.9 mNm"),
+                said.contains("hunts") && said.contains("89.1 ± 1.9 mN·m"),
                 "{said}"
             );
         }

@@ -20,7 +20,7 @@ use std::time::Instant;
 /// Record, identify, diagnose and track a simulated stage that hides something; under a minute
 #[derive(Args)]
 #[command(
-    after_help = "Example: preslide demo --out preslide-report\n\nColumns and model files are in m, N and s."
+    after_help = "Example: preslide demo --out preslide-report\n\nIn the files positions are in m, forces in N, times in s; what is printed has its unit."
 )]
 pub struct Demo {
     /// Folder for the recording, the models, the source for the firmware and the report

@@ -182,7 +182,7 @@ impl Identification {
     pub fn block_table(&self, recording: &Recording) -> Option<Table> {
         let best = self.best();
         let total: f64 = best.blocks.iter().map(|(k, d)| k.value * d.value).sum();
-        let (x, f) = (recording.position_unit(), recording.effort_unit());
+        let (x, f) = (recording.position_unit(), force_unit(recording));
         let largest = |of: &dyn Fn(&(Estimate, Estimate)) -> f64, unit: &str| {
             let values = best.blocks.iter().map(of);
             display_unit(unit, values.fold(0.0, f64::max))

@@ -8,7 +8,7 @@ pub fn quantity(value: f64, unit: &str) -> String {
     let value = value * shown.factor;
     // What has no prefix may be smaller than three decimals show.
     let figures = match value != 0.0 && value.abs() < 0.01 {
-        true => format!("{value:.2e}").replace('-', "−"),
+        true => format!("{value:.2e}"),
         false => three(value),
     };
     format!("{figures} {}", shown.unit).trim_end().to_owned()

@@ -27,12 +27,12 @@ impl Compared {
     pub fn parameters_in_words(&self, effort: &str) -> String {
         fn words(value: &Value, effort: &str) -> String {
             let pairs = value.as_object().into_iter().flatten();
+            let id = value.get("id").and_then(Value::as_str);
             let said = pairs.filter_map(|(key, value)| match value {
                 Value::Number(number) => {
                     let (name, unit) = name_and_unit(key, effort);
                     Some(format!("{name} {}", quantity(number.as_f64()?, &unit)))
                 }
-                Value::String(id) if key == "id" => Some(id.replace('_', " ")),
                 Value::Array(items) => {
                     let items: Vec<String> = items.iter().map(|i| words(i, effort)).collect();
                     Some(format!("{key} ({})", items.join("; ")))
@@ -40,7 +40,8 @@ impl Compared {
                 Value::Object(_) => Some(words(value, effort)),
                 _ => None,
             });
-            said.collect::<Vec<_>>().join(", ")
+            let id = id.map(|id| id.replace('_', " "));
+            id.into_iter().chain(said).collect::<Vec<_>>().join(", ")
         }
         words(&self.file(), effort)
     }

@@ -71,7 +71,7 @@ impl Reproduction {
     /// NMSE by number of blocks.
     pub fn size_table(&self) -> Table {
         Table::of(format!(
-                "NMSE (13), %, on the ten-block column of Table 3 as the virgin curve, {} samples uniform in 0–{:.0} µm: by the paper's parameters, the same with samples uniform in force, as the paper prints it, at optimal breakpoints; cycles in the tick in f32, and the ΣW/F_s and yields of those",
+                "NMSE (the paper's equation 13), %, on the ten-block column of Table 3 as the virgin curve, {} samples uniform in 0–{:.0} µm: by the paper's parameters, the same with samples uniform in force, as the paper prints it, at optimal breakpoints; cycles in the tick in f32, and the ΣW/F_s and yields of those",
                 self.curve.displacement.len(),
                 1e6 * paper::RANGE
             ), &self.sizes).column("N", |size| size.n.to_string()).column("paper's", |size| {
@@ -101,7 +101,7 @@ impl Reproduction {
             let blocks = (1..).zip(&recovery.blocks);
             blocks.map(|(i, block)| (recovery.blocks.len(), i, block))
         });
-        Table::of("Table 3 recovered by (7)–(9) from the ten-block curve at each column's own breakpoints", rows).column("N", |(n, _, _)| n.to_string()).column("i", |(_, i, _)| i.to_string()).column("D_i [µm]", |(_, _, b)| {
+        Table::of("Table 3 recovered by the paper's equations (7)–(9) from the ten-block curve at each column's own breakpoints", rows).column("N", |(n, _, _)| n.to_string()).column("i", |(_, i, _)| i.to_string()).column("D_i [µm]", |(_, _, b)| {
                     format!("{:.3}", 1e6 * b.yield_displacement)
                 }).column("k_i printed [N/m]", |(_, _, b)| {
                     format!("{:.0}", b.stiffness_printed)

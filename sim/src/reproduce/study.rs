@@ -55,14 +55,12 @@ impl Figure6 {
                 cycles_text(row.cost.as_ref().map(|c| c.cycles_mean))
             });
         let loops = Table::of(
-            "How the same close their loops, and drift under 0.45 ± 0.05 N",
+            "How the same close their loops: closure error, and drift under 0.45 ± 0.05 N",
             &self.rows,
         )
         .column("model", |row| row.name.clone())
         .column("parameters", |row| origin(row))
-        .column("loop closure error [N]", |row| {
-            format!("{:.1e}", row.closure.largest)
-        })
+        .column("closure [N]", |row| format!("{:.1e}", row.closure.largest))
         .column("inner loops", |row| {
             let closure = &row.closure;
             match (closure.is_nonlocal(), closure.remembers) {

@@ -42,9 +42,14 @@ fn reports_wrong_parameters_and_no_right_ones() {
     assert!(right.baseline.test <= own.stands);
     assert!(right.extended.test <= own.stands);
 
-    for (given, key, value) in [
-        (model(0.7, 1.0, 8.0), "breakaway_N", 3.0),
-        (model(1.0, 0.6, 8.0), "mass_kg", MASS_KG),
+    for (given, key, name, value) in [
+        (
+            model(0.7, 1.0, 8.0),
+            "breakaway_N",
+            "breakaway 2.10 N →",
+            3.0,
+        ),
+        (model(1.0, 0.6, 8.0), "mass_kg", "mass ", MASS_KG),
     ] {
         let found = told(&recording, Some(&given));
         assert_eq!(found.verdict, Verdict::ParametersDiffer, "{key}");
@@ -64,7 +69,7 @@ fn reports_wrong_parameters_and_no_right_ones() {
         let refitted = &wrong[0].found;
         println!("{key} {refitted:?}");
         assert!((refitted.value / value - 1.0).abs() < 0.02, "{refitted:?}");
-        assert!(found.recommendation(&recording).contains(key));
+        assert!(found.recommendation(&recording).contains(name));
         // What is written is never worse than what was given, and says what it replaces.
         let extended = found.extended_model(&recording, Some(&given));
         let written = [
@@ -144,7 +149,7 @@ fn the_budget_begins_with_the_model_as_it_stands() {
             .verdict_words(&recording)
             .contains("wrong in the model: mass")
     );
-    assert!(found.recommendation(&recording).contains("correct mass_kg"));
+    assert!(found.recommendation(&recording).contains("correct mass "));
     let budget = found.budget_json();
     let items = budget["items"].as_array().expect("items");
     let share = |what: &str| {
