@@ -5,6 +5,7 @@
 //! [`naming`] and [`confidence`] (what each may be called) → [`verdict`], and `unnamed` (what has no name). The catalogue is [`effect`], one file each.
 
 mod account;
+mod advice;
 pub mod axis;
 mod blocks;
 mod budget;
