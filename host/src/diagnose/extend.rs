@@ -6,7 +6,7 @@ use super::named::Name;
 use super::null_model::{Hypothesis, NullModel};
 use super::parameters::parameters;
 use super::term::Term;
-use super::verdict::Diagnosis;
+use super::verdict::{Diagnosis, Extended};
 use super::weak::Column;
 use preslide_fit::friction::{FrictionModel, MOST_BLOCKS};
 use preslide_fit::model::Model;
@@ -17,18 +17,6 @@ use preslide_fit::simulate::force_of_motion;
 /// NMSE on rows held out, over that of the refitted core, up to which the user's own friction law stays: more is a hysteresis that it does not
 /// have.
 const AS_GOOD: f64 = 1.25;
-
-/// A model to be written.
-pub struct Extended {
-    /// It.
-    pub model: Model,
-    /// Effects that no model file can hold, with the reason.
-    pub refused: Vec<String>,
-    /// What of the user's model it replaces, each in a clause.
-    pub replaces: Vec<String>,
-    /// The user's model as it is, since nothing that was found leaves less.
-    pub is_as_given: bool,
-}
 
 /// A model, and its NMSE (%) on rows held out: what the file leaves, and what its parameters cost on rows that they were not fitted to.
 struct Candidate {

@@ -9,7 +9,6 @@ use super::correction::Correction;
 use super::credible::{INCREDIBLE, doubt_harmonics, sieved};
 use super::drift::drift;
 use super::effect::{self, Effect};
-use super::extend::Extended;
 use super::fit::Fit;
 use super::given::Given;
 use super::hysteresis::{self, Shape};
@@ -80,6 +79,18 @@ impl Verdict {
             Verdict::InsufficientData => "insufficient-data",
         }
     }
+}
+
+/// A model to be written.
+pub struct Extended {
+    /// It.
+    pub model: Model,
+    /// Effects that no model file can hold, with the reason.
+    pub refused: Vec<String>,
+    /// What of the user's model it replaces, each in a clause.
+    pub replaces: Vec<String>,
+    /// The user's model as it is, since nothing that was found leaves less.
+    pub is_as_given: bool,
 }
 
 /// Everything found.
