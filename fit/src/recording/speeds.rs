@@ -19,7 +19,7 @@ pub struct Speeds {
     pub role: EffortRole,
     /// Velocity (m/s or rad/s), one for every row.
     pub velocity: Vec<f64>,
-    /// Effort, positive where it drives motion forwards once [`LoadOptions::sign`] is applied.
+    /// Effort, positive where it drives motion forwards, once the sign of [`LoadOptions`] is applied.
     pub effort: Vec<f64>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
