@@ -231,7 +231,7 @@ fn a_recording_is_not_overwritten_by_the_table() {
     let lost = run(folder.path(), &[".", "-o", "press_1.csv", "--fit-only"]);
     assert_eq!(lost.status.code(), Some(2));
     assert!(
-        text(&lost.stderr).contains("which would be lost"),
+        text(&lost.stderr).contains("would overwrite the input"),
         "{}",
         text(&lost.stderr)
     );

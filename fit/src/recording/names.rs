@@ -4,7 +4,7 @@ use super::error::Problem;
 use super::expression::{self, Factor, Term};
 use super::known::{KNOWN, Known, Slot};
 use super::places;
-use super::units::{self, Unit};
+use super::units::{self, Dimension, Unit};
 use super::words::{quantity, split};
 use super::{Needs, Warning};
 
@@ -227,10 +227,11 @@ impl Names<'_> {
     }
 
     /// What brings a column of another quantity to SI, for a factor such as N/A or the lever arm in m is in SI, and what is to be said of it.
-    /// Where the quantity is that of the target, the factor is the user's own conversion.
+    /// Where the quantity is that of the target, the factor is the user's own conversion; so it is of a pressure, whose proposed `--map` has it.
     fn in_si(&self, known: &Known, column: usize) -> Option<(f64, Warning)> {
         let (wanted, unit) = (known.dimension?, self.unit(column)?);
-        let is_scaled = unit.dimension != wanted && unit.factor != 1.0 && unit.offset == 0.0;
+        let is_own = [wanted, Dimension::Pressure].contains(&unit.dimension);
+        let is_scaled = !is_own && unit.factor != 1.0 && unit.offset == 0.0;
         let (target, name, scale) = (known.name, &self.columns[column], unit.factor);
         let said = || {
             warning!(

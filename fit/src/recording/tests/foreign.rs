@@ -287,6 +287,12 @@ fn a_map_adds_up_products_of_columns() {
     }
     let shifted = text(csv, &[("force_N", "pA*2-8")]).expect("an offset");
     assert_eq!(shifted.effort, [0.5, 1.0, 1.5]);
+    // A drive's constant is in N/A, whatever the column is in; a factor of the same quantity is the user's own.
+    let current = "t_s;x_m;Strom [mA];Weg [mm]\n0;0;10;1\n0.01;1;20;2\n0.02;2;30;3\n";
+    let r = text(current, &[("force_N", "20*Strom"), ("x_m", "0.002*Weg")]).expect("N/A");
+    assert!(apart(&r.effort, &[0.2, 0.4, 0.6]) < 1e-9);
+    assert!(apart(&r.position, &[0.002, 0.004, 0.006]) < 1e-9);
+    assert!(r.warnings.iter().any(|w| w.code == "unit-applied"));
     let unknown = text(csv, &[("force_N", "100*pA-80*pC")]);
     refuses(unknown, &["no column `pC`"]);
 }

@@ -4,7 +4,6 @@ use super::*;
 use column::Kind;
 use preslide_fit::effects::Effect;
 use preslide_fit::recording::Extra;
-use preslide_fit::report::figures::three;
 use preslide_fit::simulate::force_of_motion;
 
 /// The made machine's own model, its friction level and inertia times factors, with viscous friction (N·s/m).
@@ -79,7 +78,7 @@ fn reports_wrong_parameters_and_no_right_ones() {
         let written = written[usize::from(key == "breakaway_N")];
         let recommended = found.recommendation(&recording);
         assert!(
-            recommended.contains(&format!("to {}", three(written))),
+            recommended.contains(&wrong[0].change(recording.effort_unit(), written)),
             "{recommended}"
         );
         let left = |m: &Model| {
