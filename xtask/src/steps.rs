@@ -162,10 +162,10 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "package",
-        reason: "the published crate holds the library alone, and builds with the oldest compiler that it promises",
+        reason: "the published crate holds the library alone and builds with the oldest compiler that it promises; README's install line finds the program",
         needs: &[],
         lane: Lane::Host,
-        run: |_| crate::package::check(),
+        run: crate::package::check,
     },
     Step {
         name: "python",
