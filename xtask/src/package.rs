@@ -7,12 +7,10 @@ use preslide_tools::process::{
 };
 use preslide_tools::thumb::RUSTUP_LIMIT;
 
-use crate::steps::Tier;
-
 /// What is wrong with the package, or with the README's install line, if anything is.
-pub fn check(tier: Tier) -> Result<()> {
+pub fn check(whole: bool) -> Result<()> {
     list()?;
-    install(tier)?;
+    install(whole)?;
     // A developer's tree is usually dirty; what is packed is the same.
     run(&mut cargo(
         "publish --dry-run --allow-dirty --package preslide",
@@ -22,8 +20,8 @@ pub fn check(tier: Tier) -> Result<()> {
 
 /// `cargo install --locked --path cli`: before a release all of it, which compiles the tool with the features of its own package alone, three
 /// minutes of a core; in the gate that the package has the program and a lock file that fits.
-fn install(tier: Tier) -> Result<()> {
-    if tier == Tier::All {
+fn install(whole: bool) -> Result<()> {
+    if whole {
         return with_folder("install", |folder| {
             run(cargo("install --locked --path cli")
                 .arg("--root")
