@@ -143,10 +143,19 @@ fn carry(from: &mut impl Read, to: &mut impl Write) -> std::io::Result<()> {
     }
 }
 
+/// The position (m) that `state` printed with a prefix.
 fn position(state: &str) -> anyhow::Result<f64> {
     let line = state.lines().find_map(|line| line.strip_prefix("position"));
-    let word = line.and_then(|line| line.split_whitespace().next());
-    Ok(word.context("a position")?.parse()?)
+    let mut words = line.context("a position")?.split_whitespace();
+    let value: f64 = words.next().context("a position")?.parse()?;
+    let scale = match words.next() {
+        Some("m") => 1.0,
+        Some("mm") => 1e-3,
+        Some("µm") => 1e-6,
+        Some("nm") => 1e-9,
+        unit => anyhow::bail!("a position in {unit:?}"),
+    };
+    Ok(scale * value)
 }
 
 /// Runs a plain command; what it printed.

@@ -192,6 +192,9 @@ impl Diagnose {
                 ),
             }
         }
+        if self.simulated.is_empty() && found.verdict != Verdict::InsufficientData {
+            say!("Next: {next}");
+        }
         let seconds = start.elapsed().as_secs_f64();
         let mut answer = found.to_json(&recording, seconds);
         answer["experiment"] = experiment;
@@ -199,9 +202,6 @@ impl Diagnose {
             .write(&answer, || found.page(&recording, command_line()))?;
         if found.verdict == Verdict::InsufficientData {
             return Err(Failure::Data(found.verdict_words(&recording)));
-        }
-        if self.simulated.is_empty() {
-            say!("Next: {next}");
         }
         Ok(())
     }
