@@ -61,11 +61,15 @@ pub(super) fn plan(names: &Names) -> Result<Plan, Problem> {
         let mut left = k.name;
         match k.steps_to_the_load().cmp(&first.known.steps_to_the_load()) {
             Ordering::Equal => {
+                let (one, other, role) = (first.known.name, k.name, k.slot.words());
+                let remedy = match one == other {
+                    true => "rename or remove one of them in the header".to_owned(),
+                    false => {
+                        format!("choose one with `--map {one}={one}` or `--map {other}={other}`")
+                    }
+                };
                 complaints.push(format!(
-                    "columns `{}` and `{}` both give the {}; choose one with `--map {0}={0}` or `--map {1}={1}`",
-                    first.known.name,
-                    k.name,
-                    k.slot.words()
+                    "columns `{one}` and `{other}` both give the {role}; {remedy}"
                 ));
                 return false;
             }
@@ -506,8 +510,14 @@ mod tests {
         let factor = "--map 'force_N=FACTOR*torque_Nm'";
         for (header, part) in [
             ("t_s,x_m,torque_Nm", factor),
-            ("t_s,x_m,q_rad,force_N", "both give the position"),
-            ("t_s,x_m,x_m,force_N", "both give the position"),
+            (
+                "t_s,x_m,q_rad,force_N",
+                "both give the position; choose one",
+            ),
+            (
+                "t_s,x_m,x_m,force_N",
+                "both give the position; rename or remove one",
+            ),
         ] {
             refuses(plan_of(header, &[]), &[part]);
         }

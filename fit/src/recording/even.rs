@@ -136,16 +136,25 @@ pub(super) fn resample(frame: &mut Frame, warnings: &mut Vec<Warning>) {
     let Some(first) = uneven.first() else {
         return;
     };
-    let moved: usize = uneven.iter().map(|g| g.places.len()).sum();
+    let places = uneven.iter().flat_map(|g| &g.places);
+    let moved = places.filter(|p| (**p - p.round()).abs() > EVEN).count();
     let lost: usize = uneven.iter().map(|g| g.lost).sum();
-    let lost = match lost {
-        0 => String::new(),
-        n => format!(", {n} lost ones bridged"),
+    let what = match (moved, lost) {
+        (0, lost) => format!("{lost} lost samples are bridged"),
+        (moved, lost) => {
+            let bridged = match lost {
+                0 => String::new(),
+                n => format!(", {n} lost ones bridged"),
+            };
+            format!(
+                "{moved} of {} samples are not evenly spaced: brought to even times{bridged}",
+                frame.t_s.len()
+            )
+        }
     };
     warnings.push(warning!(
         "resampled",
-        "{moved} of {} samples are not evenly spaced: brought to even times {} apart by cubic interpolation{lost}",
-        frame.t_s.len(),
+        "{what}, {} apart, by cubic interpolation",
         quantity(first.step, "s")
     ));
     let pieces = frame.pieces.clone();

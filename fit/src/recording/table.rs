@@ -169,7 +169,9 @@ impl Builder {
 fn with_others(mut problem: Problem, what: &str, rows: &[Broken]) -> Problem {
     if let (Problem::Row { found, .. }, Some(next)) = (&mut problem, rows.get(1)) {
         let (more, place) = (rows.len() - 1, next.place);
-        *found += &format!(" (and {more} more such rows, the next in {what} {place})");
+        // Beyond these the file may not have been read.
+        let least = if more < MOST_BROKEN { "" } else { "at least " };
+        *found += &format!(" (and {least}{more} more such rows, the next in {what} {place})");
     }
     problem
 }

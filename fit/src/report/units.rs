@@ -30,7 +30,10 @@ pub fn name_and_unit(key: &str, effort: &str) -> (String, String) {
         .find_map(|(ending, unit)| Some((key.strip_suffix(ending)?, *unit)));
     let (name, unit) = unit.unwrap_or((key, ""));
     let name = format!("{name} {direction}").replace(['_', '.'], " ");
-    (name.trim_end().to_owned(), in_effort(unit, effort))
+    let mut words: Vec<&str> = name.split_whitespace().collect();
+    // `constant_force.force_N` says its quantity twice.
+    words.dedup();
+    (words.join(" "), in_effort(unit, effort))
 }
 
 /// A unit as people write it: the `Nm` of a recording's columns is N·m.
