@@ -28,6 +28,11 @@ def plain(values):
     return {key: value for key, value in values.items() if key != "seconds"}
 
 
+def said(text):
+    """What was printed but the next command: it names files, and from Python there is no model file."""
+    return [line for line in text.splitlines() if not line.startswith("Next: ")]
+
+
 def columns(path):
     with open(path, newline="") as file:
         rows = [row for row in csv.reader(file) if row and not row[0].startswith("#")]
@@ -47,7 +52,7 @@ def test_an_answer_is_what_the_tool_writes(command, answers, tool, axis, tmp_pat
     done, written = tool(command, axis / file, *options, folder=tmp_path)
     found = answers[command]
     assert plain(found.to_dict()) == plain(written)
-    assert found.text == done.stdout
+    assert said(found.text) == said(done.stdout)
 
 
 def test_simulate_tune_and_export_are_the_tools(tool, axis, tmp_path):
