@@ -137,7 +137,7 @@ impl Demo {
         let progress = Progress::new("diagnose, steps of the search", 0);
         let diagnosis = diagnose(recording, Some(before), None, &progress)?;
         progress.finish();
-        let mut after = diagnosis.extended_model(recording, Some(before)).model;
+        let mut after = diagnosis.extended_model(recording).model.clone();
         let useless: Vec<&str> = refused(&after).iter().map(|(id, _)| *id).collect();
         after
             .effects

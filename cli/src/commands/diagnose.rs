@@ -164,7 +164,7 @@ impl Diagnose {
         let mut next = self.next(found.verdict);
         if self.simulated.is_empty() {
             for path in &self.output {
-                next = write_extended(path, &found, &recording, model.as_ref())?;
+                next = write_extended(path, &found, &recording)?;
             }
         } else {
             self.write_correction(&found, &recording)?;
@@ -325,9 +325,8 @@ fn write_extended(
     path: &Path,
     found: &Diagnosis,
     recording: &Recording,
-    model: Option<&Model>,
 ) -> Result<String, Failure> {
-    let extended = found.extended_model(recording, model);
+    let extended = found.extended_model(recording);
     if !extended.replaces.is_empty() {
         explain!(
             "{} replaces {}.",

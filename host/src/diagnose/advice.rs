@@ -1,7 +1,7 @@
 //! What a diagnosis advises to do, in sentences.
 
 use super::effect::actuator_saturation::READING;
-use super::given::Refitted;
+use super::given::{Given, Refitted};
 use super::named::{Name, Named};
 use super::unnamed::Unknown;
 use super::verdict::{Diagnosis, Verdict};
@@ -116,7 +116,7 @@ impl Diagnosis {
             );
         }
         let effort = recording.effort_unit();
-        let change = |p: &&Refitted| p.change(effort, self.written_of(p));
+        let change = |p: &&Refitted| p.change(effort, self.written_of(p, recording));
         let each: Vec<String> = wrong.iter().map(change).collect();
         let is_constant = |p: &Refitted| p.key.starts_with(form::CONSTANT_FORCE.id);
         let either = match self.wrong().any(is_constant) {
@@ -133,18 +133,16 @@ impl Diagnosis {
 
     /// Whether `-o` writes the user's model, or the fit's, as it is.
     fn writes_as_given(&self, recording: &Recording) -> bool {
-        match &self.written {
-            Some(written) => written.is_as_given,
-            None => self.fit.is_some() && self.extended_model(recording, None).is_as_given,
-        }
+        (self.user.is_some() || self.fit.is_some()) && self.extended_model(recording).is_as_given
     }
 
     /// What the model that `-o` writes has of a parameter.
-    pub(super) fn written_of(&self, parameter: &Refitted) -> f64 {
-        let models = self.given_model.as_ref().zip(self.written.as_ref());
-        models.map_or(parameter.found.value, |(given, written)| {
-            parameter.written(&given.model, &written.model)
-        })
+    pub(super) fn written_of(&self, parameter: &Refitted, recording: &Recording) -> f64 {
+        let written =
+            |given: &Given| parameter.written(&given.model, &self.extended_model(recording).model);
+        self.given_model
+            .as_ref()
+            .map_or(parameter.found.value, written)
     }
 
     /// Where nothing material is missing; the likeliest suspicion is worth an experiment at most.

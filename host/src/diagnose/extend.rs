@@ -29,10 +29,14 @@ const WEAKEST: f64 = 0.005;
 
 impl Diagnosis {
     /// The extended model, of the user's or of the fit's: never one that leaves more on rows held out, or by the simulation that
-    /// `preslide simulate` makes. Against a simulation the effects are
-    /// what it lacks, and inertia and friction are the recording's own, which their levels refer to.
-    pub fn extended_model(&self, recording: &Recording, user: Option<&Model>) -> Extended {
-        let null = &self.null;
+    /// `preslide simulate` makes. Against a simulation the effects are what it lacks, and inertia and friction are the recording's own, which their
+    /// levels refer to. `recording` is the one that was diagnosed.
+    pub fn extended_model(&self, recording: &Recording) -> &Extended {
+        self.extended_model.get_or_init(|| self.extend(recording))
+    }
+
+    fn extend(&self, recording: &Recording) -> Extended {
+        let (null, user) = (&self.null, self.user.as_ref());
         let mut terms = self.states[1].terms.clone();
         for term in &mut terms {
             if let Some(effect) = term.effect() {

@@ -122,7 +122,7 @@ pub fn diagnose(
         found.names_nothing(&doubt);
     }
     found.fit = fit;
-    found.written = model.map(|model| found.extended_model(&recording, Some(model)));
+    found.user = model.cloned();
     Ok(found)
 }
 

@@ -136,7 +136,8 @@ impl Diagnosis {
             .filter(|g| !g.parameters.is_empty())?;
         let row = |p: &Refitted| {
             let differs = if p.differs { "differs" } else { "" };
-            let mut cells = Vec::from(p.words(recording.effort_unit(), self.written_of(p)));
+            let mut cells =
+                Vec::from(p.words(recording.effort_unit(), self.written_of(p, recording)));
             cells.extend([format!("{:.3}", p.worth), differs.to_owned()]);
             cells
         };

@@ -31,7 +31,7 @@ use preslide_fit::model::Model;
 use preslide_fit::recording::Recording;
 use preslide_fit::signal::Channel;
 use preslide_fit::statistics::Estimate;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Least confidence of a confident name. Of the names that the calibration knows, each judged by weights fitted without its source, 164 of 171 on real
 /// machines and 165 of 196 on made ones are right from here on.
@@ -83,7 +83,7 @@ impl Verdict {
 
 /// A model to be written.
 pub struct Extended {
-    /// It.
+    /// The model.
     pub model: Model,
     /// Effects that no model file can hold, with the reason.
     pub refused: Vec<String>,
@@ -137,8 +137,10 @@ pub struct Diagnosis {
     pub second_positions: Vec<SecondPosition>,
     /// The fit that every command reports.
     pub fit: Option<Arc<Fit>>,
-    /// What `-o` writes of the user's model.
-    pub(super) written: Option<Extended>,
+    /// The user's model.
+    pub(super) user: Option<Model>,
+    /// What `-o` writes, once it was asked for.
+    pub(super) extended_model: OnceLock<Extended>,
     /// Why the fit lets nothing be called consistent.
     pub(super) doubt: Option<String>,
 }
@@ -350,7 +352,8 @@ pub fn conclude(
         reproduced: None,
         second_positions: Vec::new(),
         fit: None,
-        written: None,
+        user: None,
+        extended_model: OnceLock::new(),
         doubt: None,
     })
 }

@@ -134,7 +134,7 @@ pub fn rehearse(trial: &Trial) -> anyhow::Result<Row> {
     let found = identify(&recording, &Options::default(), &progress).map_err(anyhow::Error::msg)?;
     let before = &found.best().model;
     let diagnosis = diagnose(&recording, Some(before), None, &progress)?;
-    let after = diagnosis.extended_model(&recording, Some(before)).model;
+    let after = diagnosis.extended_model(&recording).model.clone();
     let mut refit = after.clone();
     refit.effects.clear();
     let known = known(trial).map_err(anyhow::Error::msg)?;

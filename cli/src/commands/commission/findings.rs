@@ -79,7 +79,7 @@ impl Findings {
 
     /// The model with all that is certain.
     pub fn extended(&self) -> Model {
-        self.diagnosis.extended_model(&self.recording, None).model
+        self.diagnosis.extended_model(&self.recording).model.clone()
     }
 
     /// The fit with the fewest errors that the link takes: blocks, no more than it has room for.

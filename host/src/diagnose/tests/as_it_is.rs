@@ -70,7 +70,7 @@ fn reports_wrong_parameters_and_no_right_ones() {
         assert!((refitted.value / value - 1.0).abs() < 0.02, "{refitted:?}");
         assert!(found.recommendation(&recording).contains(name));
         // What is written is never worse than what was given, and says what it replaces.
-        let extended = found.extended_model(&recording, Some(&given));
+        let extended = found.extended_model(&recording);
         let written = [
             extended.model.inertia,
             extended.model.friction.breakaway().unwrap(),
@@ -121,7 +121,8 @@ fn a_refit_that_simulates_worse_is_not_written() {
         found.agreement.expect("an effort").nmse
     };
     for given in [model(1.0, 1.0, 8.0), model(0.9, 1.0, 8.0)] {
-        let extended = told(&recording, Some(&given)).extended_model(&recording, Some(&given));
+        let found = told(&recording, Some(&given));
+        let extended = found.extended_model(&recording);
         let (before, after) = (left(&given), left(&extended.model));
         println!("{before} {after}");
         assert!(after < before || (extended.is_as_given && after == before));
@@ -187,7 +188,7 @@ fn a_long_delay_is_a_shift() {
         assert_eq!(stated.0, "delay_s");
         assert!((stated.1.value / delay - 1.0).abs() < 0.03, "{stated:?}");
         assert!(found.extended.test < 0.3 * found.baseline.test);
-        let extended = found.extended_model(&recording, Some(&model(1.0, 1.0, 8.0)));
+        let extended = found.extended_model(&recording);
         assert!(
             extended
                 .model
