@@ -142,6 +142,27 @@ fn a_tick_without_motion_changes_nothing_in_any_model() {
     }
 }
 
+/// The same of all that a model remembers, where it can be compared.
+#[test]
+fn a_tick_without_motion_leaves_the_state_as_it_is() {
+    fn check<M: Friction<Scalar = f64, State: PartialEq + std::fmt::Debug>>(model: &M) {
+        let mut state = model.at_rest();
+        for leg in [3e-6, -2e-6, 1e-6, -5e-7] {
+            for _ in 0..10 {
+                model.step(&mut state, Motion::quasi_static(leg / 10.0));
+                let before = state.clone();
+                model.step(&mut state, Motion::quasi_static(0.0));
+                assert_eq!(before, state);
+            }
+        }
+    }
+    check(&quasi_static::<6>());
+    check(&gms::<6, f64>(weakening(), Units::SI));
+    check(&dahl());
+    check(&lugre());
+    check(&Hsieh::<f64>::try_new(&hsieh(0.0, 0.0), SAMPLE_TIME, Units::SI).expect("valid"));
+}
+
 #[test]
 fn gms_without_weakening_equals_the_quasi_static_form_bit_for_bit() {
     for attraction in [0.0, 500.0, f64::INFINITY] {

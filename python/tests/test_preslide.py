@@ -28,11 +28,6 @@ def plain(values):
     return {key: value for key, value in values.items() if key != "seconds"}
 
 
-def said(text):
-    """What was printed but the next command: it names files, and from Python there is no model file."""
-    return [line for line in text.splitlines() if not line.startswith("Next: ")]
-
-
 def columns(path):
     with open(path, newline="") as file:
         rows = [row for row in csv.reader(file) if row and not row[0].startswith("#")]
@@ -52,7 +47,12 @@ def test_an_answer_is_what_the_tool_writes(command, answers, tool, axis, tmp_pat
     done, written = tool(command, axis / file, *options, folder=tmp_path)
     found = answers[command]
     assert plain(found.to_dict()) == plain(written)
-    assert said(found.text) == said(done.stdout)
+    text = done.stdout
+    if command == "diagnose":
+        # The command that follows names a model file, which there is none of from Python.
+        text, last = text.rsplit("Next: ", 1)
+        assert last.count("\n") == 1
+    assert found.text == text
 
 
 def test_simulate_tune_and_export_are_the_tools(tool, axis, tmp_path):

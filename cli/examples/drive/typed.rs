@@ -77,8 +77,9 @@ fn stops_commissioning(tool: &Path, address: &str) -> anyhow::Result<()> {
     let mut screen = Screen::of(tool, &words)?;
     screen.wait_for("homed: positions count")?;
     screen.key(" ")?;
-    // Its line is folded.
+    // In two lines.
     screen.wait_for("the same command goes")?;
+    screen.wait_for("on from there")?;
     screen.ended_with(3)?;
     let said = run(tool, address, &["state"])?;
     ensure!(

@@ -190,7 +190,7 @@ fn every_term_is_what_the_simulated_stages_have() {
         let Some(mut term) = (effect.form.library)(&effect, SAMPLE_TIME).expect("valid") else {
             continue;
         };
-        let (mut largest, mut apart, mut acts) = (0.0_f64, 0.0_f64, false);
+        let (mut largest, mut apart) = (0.0_f64, Deviation::default());
         for tick in ticks() {
             let mut sum = Acting::NONE;
             own.act(
@@ -218,14 +218,17 @@ fn every_term_is_what_the_simulated_stages_have() {
             });
             for (found, wanted) in [level, force].into_iter().zip(wanted) {
                 largest = largest.max(wanted.abs());
-                apart = apart.max((found - wanted).abs());
-                acts |= wanted != 0.0;
+                apart.add(found, wanted);
             }
         }
         // What remembers does not act here.
-        if acts {
-            eprintln!("{}: {:.1e} of the amplitude", id.name(), apart / largest);
-            assert!(apart < 3e-3 * largest, "{}: {apart:e}", id.name());
+        if largest > 0.0 {
+            eprintln!(
+                "{}: {:.1e} of the amplitude",
+                id.name(),
+                apart.max / largest
+            );
+            assert!(apart.max < 3e-3 * largest, "{}: {apart:?}", id.name());
             compared.push(id);
         }
     }

@@ -145,6 +145,22 @@ mod tests {
         }
     }
 
+    #[test]
+    fn numbers_are_written_as_rust_has_them() {
+        let laws = FrictionModel::one_of_each(1.0, 1e-5);
+        let of = |wanted: &str| {
+            let mut law = laws.iter().find(|law| law.kind() == wanted).cloned();
+            match law.as_mut().expect("a law") {
+                FrictionModel::Dahl { stiffness, .. } => *stiffness = 1e5,
+                FrictionModel::LuGre { sliding, .. } => sliding.attraction = f64::INFINITY,
+                _ => {}
+            }
+            source(&model(law.expect("a law")), None).expect("exportable")
+        };
+        assert!(of("dahl").contains("DAHL_STIFFNESS_N_PER_M: f64 = 100000.0"));
+        assert!(of("lugre").contains("f64 = f64::INFINITY"));
+    }
+
     /// Hsieh's model has no breakaway force from which a bound could be taken.
     #[test]
     fn demands_a_bound_if_the_model_has_none() {

@@ -12,6 +12,7 @@ mod text;
 use std::path::Path;
 
 use super::*;
+use preslide_host_tests::deviation::Deviation;
 use preslide_host_tests::refusal::refuses;
 
 pub(super) fn options(map: &[(&str, &str)]) -> LoadOptions {
@@ -58,8 +59,9 @@ pub(super) fn said<'a>(r: &'a Recording, code: &str) -> &'a str {
 /// The largest difference of two columns.
 pub(super) fn apart(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
-    let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    apart.fold(0.0, f64::max)
+    let mut apart = Deviation::default();
+    a.iter().zip(b).for_each(|(a, b)| apart.add(*a, *b));
+    apart.max
 }
 
 /// Loads `folder/name`, which must succeed.

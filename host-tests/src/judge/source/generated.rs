@@ -247,3 +247,21 @@ pub fn cases(
     });
     answered.into_iter().filter_map(Result::transpose).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn another_shape_is_no_false_name_where_the_user_has_a_model() {
+        let smooth = json!({"law": "tanh", "params": {}});
+        let told = |model| {
+            native(&smooth, model)
+                .iter()
+                .any(|t| t.id == "presliding_shape")
+        };
+        assert!(told(Some("")) && !told(None));
+        assert!(native(&json!({"law": "iwan", "params": {}}), Some("")).is_empty());
+    }
+}
