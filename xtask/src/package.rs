@@ -7,35 +7,14 @@ use preslide_tools::process::{
 };
 use preslide_tools::thumb::RUSTUP_LIMIT;
 
-/// What is wrong with the package, or with the README's install line, if anything is.
-pub fn check(whole: bool) -> Result<()> {
+/// What is wrong with the package, if anything is.
+pub fn check() -> Result<()> {
     list()?;
-    install(whole)?;
     // A developer's tree is usually dirty; what is packed is the same.
     run(&mut cargo(
         "publish --dry-run --allow-dirty --package preslide",
     ))?;
     oldest()
-}
-
-/// `cargo install --locked --path cli`: before a release all of it, which compiles the tool with the features of its own package alone, three
-/// minutes of a core; in the gate that the package has the program and a lock file that fits.
-fn install(whole: bool) -> Result<()> {
-    if whole {
-        return with_folder("install", |folder| {
-            run(cargo("install --locked --path cli")
-                .arg("--root")
-                .arg(folder))
-        });
-    }
-    let metadata = output(&mut cargo(
-        "metadata --locked --no-deps --format-version 1 --manifest-path cli/Cargo.toml",
-    ))?;
-    ensure!(
-        metadata.contains(r#""kind":["bin"],"crate_types":["bin"],"name":"preslide""#),
-        "no package of the workspace has the program `preslide`"
-    );
-    Ok(())
 }
 
 /// What the package holds besides `src/`: the first three are ours, and cargo makes the others.

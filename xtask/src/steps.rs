@@ -162,10 +162,10 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "package",
-        reason: "the published crate holds the library alone and builds with the oldest compiler that it promises; README's install line finds the program",
+        reason: "the published crate holds the library alone, and builds with the oldest compiler that it promises",
         needs: &[],
         lane: Lane::Host,
-        run: |tier| crate::package::check(tier == Tier::All),
+        run: |_| crate::package::check(),
     },
     Step {
         name: "python",
