@@ -139,22 +139,22 @@ pub(super) fn resample(frame: &mut Frame, warnings: &mut Vec<Warning>) {
     let places = uneven.iter().flat_map(|g| &g.places);
     let moved = places.filter(|p| (**p - p.round()).abs() > EVEN).count();
     let lost: usize = uneven.iter().map(|g| g.lost).sum();
+    let bridged = match lost {
+        1 => "1 lost sample is bridged".to_owned(),
+        n => format!("{n} lost samples are bridged"),
+    };
+    let uneven = format!(
+        "{moved} of {} samples are not evenly spaced",
+        frame.t_s.len()
+    );
     let what = match (moved, lost) {
-        (0, lost) => format!("{lost} lost samples are bridged"),
-        (moved, lost) => {
-            let bridged = match lost {
-                0 => String::new(),
-                n => format!(", {n} lost ones bridged"),
-            };
-            format!(
-                "{moved} of {} samples are not evenly spaced: brought to even times{bridged}",
-                frame.t_s.len()
-            )
-        }
+        (_, 0) => uneven,
+        (0, _) => bridged,
+        _ => format!("{uneven}, and {bridged}"),
     };
     warnings.push(warning!(
         "resampled",
-        "{what}, {} apart, by cubic interpolation",
+        "{what}: brought to times {} apart by cubic interpolation",
         quantity(first.step, "s")
     ));
     let pieces = frame.pieces.clone();

@@ -24,25 +24,6 @@ impl Recording {
         Ok(self.masked(&inside))
     }
 
-    /// Stretches of equal length spread evenly over the recording, `total` samples of it; the whole where it has no more.
-    pub fn stretches(&self, count: usize, total: usize) -> Recording {
-        if self.len() <= total {
-            return self.clone();
-        }
-        let (period, length) = (self.len() / count, total / count);
-        let inside: Vec<bool> = (0..self.len())
-            .map(|i| i / period < count && i % period < length)
-            .collect();
-        let mut kept = self.masked(&inside);
-        kept.warnings.push(warning!(
-            "stretches",
-            "{count} stretches of {:.3} s each are used, spread evenly over {} samples",
-            length as f64 * self.sample_time_s,
-            self.len()
-        ));
-        kept
-    }
-
     /// The samples that are `inside`, in pieces of neighbours.
     pub(super) fn masked(&self, inside: &[bool]) -> Recording {
         let mut start = 0;
