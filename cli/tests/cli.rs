@@ -234,7 +234,7 @@ fn a_reference_is_followed_in_closed_loop() {
     let text = std::fs::read_to_string(&json).expect("written");
     let value: serde_json::Value = serde_json::from_str(&text).expect("valid JSON");
     assert_eq!(value["input"], "reference");
-    let largest = value["following_max"].as_f64().expect("a number");
+    let largest = value["following_max_m"].as_f64().expect("a number");
     // Breakaway force over proportional gain, 4.5 µm, and the start: from rest to 3.5 mm/s in a loop of 316 rad/s, 5 µm.
     assert!(largest > 0.0 && largest < 1e-5, "{largest:e}");
     let bad = folder.file("bad.toml", gains.replace("rate_Hz", "rate"));
@@ -285,13 +285,7 @@ fn reports_a_predictor_beside_the_friction_models() {
     let json = folder.path("block.json");
     let run = preslide(&["identify", &path, "--predictor", "koopman", "--json", &json]);
     run.succeeds();
-    for part in [
-        "ARX",
-        "Koopman, blocks",
-        "GMS, 1 blocks",
-        "lugre",
-        "1000 [mN]",
-    ] {
+    for part in ["ARX", "Koopman, blocks", "GMS, N = 1", "LuGre", "1000 [mN]"] {
         assert!(run.out.contains(part), "{part}: {}", run.out);
     }
     let told = std::fs::read_to_string(&json).expect("written");
@@ -304,10 +298,12 @@ fn reports_a_predictor_beside_the_friction_models() {
     let predictors = told["predictors"].as_array().expect("a list");
     let rms = |name: &str, i: usize| {
         let named = predictors.iter().find(|p| p["name"] == name);
-        named.and_then(|p| p["rms"][i].as_f64()).expect("a number")
+        named
+            .and_then(|p| p["rms_N"][i].as_f64())
+            .expect("a number")
     };
     // The machine is the model.
-    assert!(rms("GMS, 1 blocks", 3) < 0.2 * rms("ARX", 3));
+    assert!(rms("GMS, N = 1", 3) < 0.2 * rms("ARX", 3));
     let recommended = told["recommended"].as_str().expect("a name");
     assert!(
         predictors

@@ -38,9 +38,10 @@ def _compare(found, _, ax):
 
 def _diagnose(found, _, ax):
     items = found["budget"]["items"]
-    ax.barh([i["what"].replace("_", " ") for i in items], [i["rms"] for i in items])
+    [rms] = [key for key in items[0] if key.startswith("rms_")]
+    ax.barh([i["what"].replace("_", " ") for i in items], [i[rms] for i in items])
     ax.invert_yaxis()
-    ax.set(xlabel="RMS that it takes off (in the effort's unit)", title=f"{found['recording']}: {found['verdict']}")
+    ax.set(xlabel=f"RMS that it takes off ({rms.removeprefix('rms_')})", title=f"{found['recording']}: {found['verdict']}")
 
 
 def _simulate(found, result, ax):

@@ -1,14 +1,26 @@
-"""What the tests share: the tool as a program, and recordings that it makes."""
+"""What the tests share: the tool as a program, whose every answer is held against its schema, and recordings that it makes."""
 
 import json
 import os
 import pathlib
 import subprocess
 
+import jsonschema
 import numpy as np
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+#: What every key of an answer is, and in which unit.
+SCHEMA = json.loads((ROOT / "docs" / "src" / "answers.schema.json").read_text())
+
+
+def conforms(answer):
+    """Fails on a key that the schema of the answer lacks, and on one that the answer lacks."""
+    name = answer["schema"].removeprefix("preslide.").partition("/")[0]
+    # The definition alone: of all of them together no error says what is wrong.
+    jsonschema.validate(answer, {"$ref": f"#/$defs/{name}", "$defs": SCHEMA["$defs"]})
 
 
 @pytest.fixture(scope="session")
@@ -23,6 +35,8 @@ def tool():
         more = ["--json", str(answer)] if json_file else []
         done = subprocess.run([program, *map(str, arguments), *more], capture_output=True, text=True)
         values = json.loads(answer.read_text()) if json_file and answer.exists() else None
+        if values is not None:
+            conforms(values)
         return done, values
 
     return run

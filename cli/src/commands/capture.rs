@@ -239,7 +239,7 @@ impl Capture {
 }
 
 /// The summary for machines.
-fn machine(summary: &Summary) -> serde_json::Value {
+pub(super) fn machine(summary: &Summary) -> serde_json::Value {
     json!({
         "schema": "preslide.capture/1",
         "samples": summary.samples,

@@ -5,7 +5,7 @@ use super::{Failure, OutputArgs, RecordingArgs, command_line, thin, write_text};
 use clap::Args;
 use preslide_fit::model::Model;
 use preslide_fit::progress::Progress;
-use preslide_fit::recording::{MotionKind, Recording, Simulated};
+use preslide_fit::recording::{Recording, Simulated};
 use preslide_fit::report::figures::capital;
 use preslide_host::diagnose::correction::Language;
 use preslide_host::diagnose::experiment::{self, Experiment};
@@ -175,10 +175,7 @@ impl Diagnose {
                 Some(asked) => Experiment::next(&found, asked),
                 None => Some(Experiment::for_all(&found)),
             };
-            let column = match recording.kind {
-                MotionKind::Linear => "x_ref_m",
-                MotionKind::Rotary => "q_ref_rad",
-            };
+            let column = recording.kind.reference_column();
             match next {
                 Some(next) => {
                     write_text(path, &next.csv(column))?;

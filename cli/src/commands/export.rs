@@ -13,6 +13,7 @@ use preslide_host::cost::DEFAULT;
 use preslide_host::export::joint::{Format, Joint};
 use preslide_host::export::{Options, c_source, reduced, rust_source, sha256};
 use preslide_host::tune::of_model;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Write a model as source for the firmware, in Rust or C, or as a simulator's joint (MuJoCo, URDF, OpenUSD)
@@ -76,6 +77,10 @@ pub struct Export {
     /// Write the source here instead of to the terminal
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
+
+    /// Write what was exported, and from what, as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
 }
 
 /// What firmware is written in.
@@ -96,6 +101,7 @@ impl Export {
         let written = [
             ("-o", self.output.as_ref()),
             ("the header of -o", header.as_ref()),
+            ("--json", self.json.as_ref()),
         ];
         outputs::check(&inputs, &written, None)?;
         let file = self.model.display().to_string();
@@ -146,7 +152,7 @@ impl Export {
             for clause in &joint.left_out {
                 tell!("Not in the joint: {clause}.");
             }
-            return Ok(());
+            return self.write_json(remarks, None, &joint.left_out);
         }
         let kernel = self.kernel(&model, &mut remarks)?;
         let in_counts = |kernel: Kernel| kernel.arithmetic() == Arithmetic::I16F16;
@@ -164,6 +170,7 @@ impl Export {
             let c = c_source(&model, &options, &name).map_err(in_file)?;
             write_text(source, &c.source)?;
             write_text(&header, &c.header)?;
+            self.write_json(options.remarks, kernel, &[])?;
             tell!(
                 "Compile {} with the firmware; {name}_rest once, then {name}_step each tick, as its header says.",
                 source.display()
@@ -171,6 +178,7 @@ impl Export {
             return Ok(());
         }
         self.write(&rust_source(&model, &options).map_err(in_file)?)?;
+        self.write_json(options.remarks, kernel, &[])?;
         let place = self
             .output
             .as_deref()
@@ -227,6 +235,28 @@ impl Export {
             Failure::Input("--lang c writes two files: name the source, and the header goes beside it: -o stage_model.c".to_owned())
         })?;
         Ok(Some(source.with_extension("h")))
+    }
+
+    /// What was exported, where that is asked for: the remarks of the source, its kernel, and what a joint cannot hold.
+    fn write_json(
+        &self,
+        remarks: Vec<String>,
+        kernel: Option<Kernel>,
+        not_held: &[String],
+    ) -> Result<(), Failure> {
+        let Some(path) = &self.json else {
+            return Ok(());
+        };
+        let joint = [(self.mjcf, "mjcf"), (self.urdf, "urdf"), (self.usd, "usd")];
+        let language = if self.lang == Lang::C { "c" } else { "rust" };
+        let format = joint
+            .into_iter()
+            .find_map(|(asked, name)| asked.then_some(name));
+        let answer = json!({
+            "schema": "preslide.export/1", "model": name(&self.model), "format": format.unwrap_or(language),
+            "output": self.output, "kernel": kernel.map(Kernel::name), "without": self.without, "not_held": not_held, "remarks": remarks,
+        });
+        outputs::write_json(path, &answer)
     }
 
     /// To the requested file, or the terminal.

@@ -375,12 +375,8 @@ impl OutputArgs {
 
     /// Writes the result for machines, if requested.
     pub fn write_json(&self, json: &serde_json::Value) -> Result<(), Failure> {
-        if let Some(path) = &self.json {
-            let text =
-                serde_json::to_string_pretty(json).map_err(|e| Failure::Tool(e.to_string()))?;
-            write_text(path, &(text + "\n"))?;
-        }
-        Ok(())
+        let path = self.json.as_deref();
+        path.map_or(Ok(()), |path| outputs::write_json(path, json))
     }
 }
 

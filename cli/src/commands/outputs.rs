@@ -158,6 +158,14 @@ pub fn write_with(
     Ok(())
 }
 
+/// Writes an answer for machines, as [`write_text`] does.
+///
+/// # Errors
+/// The reason, with the path.
+pub fn write_json(path: &Path, answer: &serde_json::Value) -> Result<(), Failure> {
+    write_text(path, &format!("{answer:#}\n"))
+}
+
 /// Writes a text file and says so; `-` is standard output.
 ///
 /// # Errors

@@ -1,9 +1,9 @@
 //! `preslide plan`.
 
-use super::{AxisArgs, Failure, outputs, parse_frequency, write_text};
+use super::{AxisArgs, Failure, OutputArgs, command_line, outputs, parse_frequency, write_text};
 use clap::{Args, ValueEnum};
 use preslide_drive::quantity;
-use preslide_fit::report::figures::range;
+use preslide_fit::recording::MotionKind;
 use preslide_host::plan::{Show, Wish, plan};
 use std::path::PathBuf;
 
@@ -37,6 +37,9 @@ pub struct Plan {
     /// The axis turns: lengths are angles, in rad or with deg
     #[arg(long)]
     rotary: bool,
+
+    #[command(flatten)]
+    outputs: OutputArgs,
 }
 
 /// How far, how fast and how often.
@@ -173,18 +176,21 @@ impl Plan {
             rate: self.rate,
             ..self.wish.wish(length, top, self.axis.is_chosen())?
         };
-        outputs::check(&self.axis.file(), &[("-o", Some(&self.output))], None)?;
+        outputs::check(
+            &self.axis.file(),
+            &[("-o", Some(&self.output))],
+            Some(&self.outputs),
+        )?;
         let planned = plan(&wish).map_err(Failure::Input)?;
-        write_text(&self.output, &planned.csv(self.rotary))?;
-        let unit = if self.rotary { "rad" } else { "m" };
-        say!(
-            "{} rows, {:.1} s, {} reversals, strokes from {}, in {} repeats.",
-            planned.rows.len(),
-            planned.seconds(),
-            planned.reversals,
-            range(planned.strokes.0, planned.strokes.1, unit),
-            wish.repeats
-        );
+        let kind = match self.rotary {
+            true => MotionKind::Rotary,
+            false => MotionKind::Linear,
+        };
+        write_text(&self.output, &planned.csv(kind))?;
+        say!("{}", planned.words(kind));
+        self.outputs.write(&planned.to_json(kind), || {
+            planned.page(kind, command_line())
+        })?;
         say!(
             "Next: preslide drive PORT play {} -o axis.csv",
             self.output.display()

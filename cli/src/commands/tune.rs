@@ -185,7 +185,7 @@ impl Tune {
         let known = Known {
             noise: self.noise.unwrap_or(0.0),
             mode_damping: self.damping,
-            ..Known::of_model(&model.friction, mode_hz).map_err(Failure::Input)?
+            ..Known::of_model(model, mode_hz).map_err(Failure::Input)?
         };
         (propose(&axis, &known, &DEMANDS).map(Some)).map_err(Failure::Data)
     }

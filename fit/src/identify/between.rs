@@ -1,13 +1,15 @@
 //! What changed between recordings of one machine: the rigid body of each, and whether one factor of the effort makes one of the other.
 
+use super::fit::{key, shown, unit};
 use super::fitting::Fitting;
 use super::plain::Plain;
 use super::rigid_body;
 use super::weights::Weights;
 use crate::friction::FrictionModel;
-use crate::recording::Recording;
+use crate::recording::{MotionKind, Recording};
+use crate::report::figures::range;
 use crate::signal::Kinematics;
-use serde::Serialize;
+use serde_json::{Value, json};
 
 /// A change is reported beyond so many times the 95 % reach of a difference: three standard errors, of some ten parameters and files.
 const SURE: f64 = 1.5;
@@ -17,7 +19,7 @@ const FEWEST: usize = 4;
 const NO_SIZE: [&str; 3] = ["offset", "spring_centre", "gravity_angle"];
 
 /// What a later recording has otherwise than the first.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct Change {
     /// Number of the file, from 1; the first is compared with.
     pub file: usize,
@@ -28,7 +30,7 @@ pub struct Change {
 }
 
 /// A parameter that differs.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct Changed {
     /// Its name.
     pub name: &'static str,
@@ -120,6 +122,15 @@ fn gain(all: &[Changed]) -> Option<[f64; 2]> {
 }
 
 impl Change {
+    /// For machines.
+    pub(super) fn to_json(&self, kind: MotionKind) -> Value {
+        let parameter = |p: &Changed| json!({ "key": key(kind, p.name), "values": p.values, "change": p.change, "reach": p.reach });
+        json!({
+            "file": self.file, "gain": self.gain,
+            "parameters": self.parameters.iter().map(parameter).collect::<Vec<_>>(),
+        })
+    }
+
     /// In words, a sentence without its full stop.
     pub fn words(&self, recording: &Recording) -> String {
         let names: Vec<&str> = recording.name.split(", ").collect();
@@ -131,11 +142,9 @@ impl Change {
             |change: f64, reach: f64| format!("{:+.1} ± {:.1} %", 100.0 * change, 100.0 * reach);
         let parts = self.parameters.iter().map(|p| {
             let [a, b] = p.values;
-            format!(
-                "{} {a:.4} → {b:.4} ({})",
-                p.name,
-                percent(p.change, p.reach)
-            )
+            let name = shown(recording, p.name).replace('_', " ");
+            let values = range(a, b, &unit(recording, p.name));
+            format!("{name} {values} ({})", percent(p.change, p.reach))
         });
         let parts = parts.collect::<Vec<_>>().join(", ");
         let gain = self.gain.map_or(

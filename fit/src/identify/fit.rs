@@ -1,6 +1,7 @@
 //! The fit that every command reports: its parameters, its law, what it leaves.
 
 use super::Identification;
+use crate::model::{key_of, keys_of};
 use crate::recording::{MotionKind, Recording};
 use crate::report::figures::{estimate, left};
 use crate::report::units::name_and_unit;
@@ -8,40 +9,28 @@ use crate::signal::StickSlip;
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
 
-/// Keys of the JSON output for a rigid body parameter.
-pub(super) fn key(kind: MotionKind, name: &str) -> &'static str {
-    let [linear, rotary] = match name {
-        "mass" => ["mass_kg", "inertia_kg_m2"],
-        "viscous" => ["viscous_N_s_per_m", "viscous_Nm_s_per_rad"],
-        "viscous_forward" => ["viscous_forward_N_s_per_m", "viscous_forward_Nm_s_per_rad"],
-        "viscous_backward" => [
-            "viscous_backward_N_s_per_m",
-            "viscous_backward_Nm_s_per_rad",
-        ],
-        "coulomb" => ["coulomb_N", "coulomb_Nm"],
-        "spring" => ["spring_N_per_m", "spring_Nm_per_rad"],
-        "spring_centre" => ["spring_centre_m", "spring_centre_rad"],
-        "gravity" => ["gravity_N", "gravity_Nm"],
-        "gravity_angle" => ["gravity_angle_rad", "gravity_angle_rad"],
-        "breakaway_forward" => ["breakaway_forward_N", "breakaway_forward_Nm"],
-        "breakaway_backward" => ["breakaway_backward_N", "breakaway_backward_Nm"],
-        "kinetic_forward" => ["kinetic_forward_N", "kinetic_forward_Nm"],
-        "kinetic_backward" => ["kinetic_backward_N", "kinetic_backward_Nm"],
-        "coulomb_and_inertia" => ["coulomb_and_inertia_N", "coulomb_and_inertia_Nm"],
-        "static" => ["static_N", "static_Nm"],
-        "stribeck_velocity" => ["stribeck_velocity_m_s", "stribeck_velocity_rad_s"],
-        "coulomb_and_offset" => ["coulomb_and_offset_N", "coulomb_and_offset_Nm"],
-        _ => ["offset_N", "offset_Nm"],
+/// Key of an answer for machines for a parameter of a fit.
+pub(super) fn key(kind: MotionKind, name: &str) -> String {
+    let unit = match name {
+        "mass" => "kg",
+        "drag" => "N_s2_per_m2",
+        "share_of_transmitted"
+        | "motor_share_of_inertia"
+        | "friction_cosine1"
+        | "friction_cosine2" => return name.to_owned(),
+        _ if name.starts_with("viscous") => "N_s_per_m",
+        "spring" => "N_per_m",
+        "spring_centre" => "m",
+        "gravity_angle" => "rad",
+        "stribeck_velocity" => "m_s",
+        _ => "N",
     };
-    match kind {
-        MotionKind::Linear => linear,
-        MotionKind::Rotary => rotary,
-    }
+    key_of(kind, &format!("{name}_{unit}"))
 }
 
 /// Unit of a rigid body parameter, for people.
 pub(super) fn unit(recording: &Recording, name: &str) -> String {
-    name_and_unit(key(recording.kind, name), recording.effort_unit()).1
+    name_and_unit(&key(recording.kind, name), recording.effort_unit()).1
 }
 
 /// A rigid body parameter's name for people.
@@ -57,7 +46,7 @@ impl Identification {
     /// intervals, the law by its kind and number of blocks, and the rows that were fitted.
     pub fn fit_json(&self, recording: &Recording) -> Value {
         let best = self.best();
-        json!({
+        let answer = json!({
             "law": best.model.friction.name(),
             "kind": best.model.friction.kind(),
             "blocks": best.size(),
@@ -67,8 +56,9 @@ impl Identification {
             "stick_slip": self.stick_slip,
             "saturation": self.channel.saturation,
             "delay": self.channel.delay,
-            "between": self.between,
-        })
+            "between": self.between.iter().map(|change| change.to_json(recording.kind)).collect::<Vec<_>>(),
+        });
+        keys_of(recording.kind, answer)
     }
 
     /// The fit in one sentence, without its full stop.
@@ -96,7 +86,7 @@ impl Identification {
 
     pub(super) fn parameters_json(&self, recording: &Recording) -> serde_json::Map<String, Value> {
         self.parameters()
-            .map(|(name, estimate)| (key(recording.kind, name).to_owned(), json!(estimate)))
+            .map(|(name, estimate)| (key(recording.kind, name), json!(estimate)))
             .collect()
     }
 }

@@ -4,7 +4,7 @@ use super::fit::{shown, unit};
 use super::plain::Place;
 use super::{Identification, Method};
 use crate::friction::Path;
-use crate::model::Model;
+use crate::model::{Model, keys_of};
 use crate::recording::Recording;
 use crate::report::figures::{cells, digits, quantity};
 use crate::report::units::symbol;
@@ -34,28 +34,29 @@ impl Identification {
                     "method": c.method.name(),
                     "nmse_train": c.nmse_train,
                     "nmse_test": c.nmse_test,
-                    "breakaway": breakaway(&c.model),
-                    "parameters": c.parameters.iter().map(|(key, e)| (c.model.key(key), json!(e))).collect::<serde_json::Map<_, _>>(),
+                    "breakaway_N": breakaway(&c.model),
+                    "parameters": c.parameters.iter().map(|(key, e)| ((*key).to_owned(), json!(e))).collect::<serde_json::Map<_, _>>(),
                     "at_edge": c.at_edge,
-                    "stiffness": c.blocks.iter().map(|b| b.0).collect::<Vec<_>>(),
-                    "yield_displacement": c.blocks.iter().map(|b| b.1).collect::<Vec<_>>(),
+                    "stiffness_N_per_m": c.blocks.iter().map(|b| b.0).collect::<Vec<_>>(),
+                    "yield_displacement_m": c.blocks.iter().map(|b| b.1).collect::<Vec<_>>(),
                 })
             })
             .collect();
         let best = self.best();
-        json!({
+        let answer = json!({
             "schema": "preslide.identification/1",
             "recording": recording.name,
             "effort_unit": recording.effort_unit(),
             "fit": self.fit_json(recording),
             "parameters": self.parameters_json(recording),
-            "band_hz": self.band_hz,
+            "band_Hz": self.band_hz,
             "held_out": if self.split.test.is_some() { "test window".to_owned() } else { format!("{} in turn", self.split.units()) },
             "friction": friction,
             "recommended": { "kind": best.model.friction.kind(), "blocks": best.size(), "reason": self.recommendation },
             "warnings": recording.warnings.iter().map(ToString::to_string).chain(self.notes(recording)).collect::<Vec<_>>(),
             "seconds": seconds,
-        })
+        });
+        keys_of(recording.kind, answer)
     }
 
     /// Rigid body with confidence.

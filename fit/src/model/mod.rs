@@ -14,6 +14,7 @@ use crate::friction::FrictionModel;
 use crate::recording::MotionKind;
 use friction::FrictionToml;
 use serde::Deserialize;
+use serde_json::Value;
 use std::path::Path as FilePath;
 use thiserror::Error;
 
@@ -128,8 +129,11 @@ fn effects_of(
 }
 
 /// Key endings of rotary files and what they are called on a linear axis, longest first.
-const ROTARY: [(&str, &str); 9] = [
+const ROTARY: [(&str, &str); 12] = [
     ("inertia_kg_m2", "mass_kg"),
+    ("_Nm_per_rad_s", "_N_per_m_s"),
+    ("_rad_per_Nm", "_m_per_N"),
+    ("_Nm2_per_s", "_N2_per_s"),
     ("_Nm_s2_per_rad2", "_N_s2_per_m2"),
     ("_Nm_s_per_rad", "_N_s_per_m"),
     ("_Nm_per_rad", "_N_per_m"),
@@ -143,7 +147,6 @@ const ROTARY: [(&str, &str); 9] = [
 /// Keys that any axis has: a phase is an angle (so is that of gravity, which only a rotary axis has), the normal load a force.
 const COMMON: [&str; 4] = ["phase_rad", "angle_rad", "load_N", "level_per_N"];
 
-/// A key of the file in the words of the other kind of axis, or `None` where it belongs to that other kind.
 /// A key of a linear axis in the words of an axis that moves so.
 pub fn key_of(motion: MotionKind, key: &str) -> String {
     match motion {
@@ -152,6 +155,19 @@ pub fn key_of(motion: MotionKind, key: &str) -> String {
     }
 }
 
+/// An answer for machines whose keys are a linear axis's, in the words of an axis that moves so.
+pub fn keys_of(motion: MotionKind, answer: Value) -> Value {
+    let each = |answer| keys_of(motion, answer);
+    match answer {
+        Value::Object(map) => (map.into_iter())
+            .map(|(key, value)| (key_of(motion, &key), each(value)))
+            .collect(),
+        Value::Array(values) => values.into_iter().map(each).collect(),
+        plain => plain,
+    }
+}
+
+/// A key of the file in the words of the other kind of axis, or `None` where it belongs to that other kind.
 fn translate(key: &str, to_linear: bool) -> Option<String> {
     if COMMON.contains(&key) {
         return Some(key.to_owned());

@@ -98,6 +98,22 @@ impl MotionKind {
             MotionKind::Rotary => "rad",
         }
     }
+
+    /// The column of its position.
+    pub fn column(self) -> &'static str {
+        match self {
+            MotionKind::Linear => "x_m",
+            MotionKind::Rotary => "q_rad",
+        }
+    }
+
+    /// The column of its reference.
+    pub fn reference_column(self) -> &'static str {
+        match self {
+            MotionKind::Linear => "x_ref_m",
+            MotionKind::Rotary => "q_ref_rad",
+        }
+    }
 }
 
 /// What the effort column measures, which decides what the model must contain.

@@ -55,10 +55,12 @@ pub struct Saturation {
     /// Whose.
     pub of: End,
     /// Magnitude (N or N·m).
+    #[serde(rename = "limit_N")]
     pub limit: Estimate,
     /// Share of the samples beyond it.
     pub share: f64,
     /// RMS (N or N·m) that rigid body and hysteresis leave of the samples within, without the end and with it.
+    #[serde(rename = "leaves_rms_N")]
     pub leaves: [f64; 2],
     /// Samples at or beyond the end.
     #[serde(skip)]

@@ -34,10 +34,13 @@ const PAUSE: usize = 3;
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Levels {
     /// Mean effort (N or N·m) at which the axis breaks away, with the interval of the mean.
+    #[serde(rename = "breakaway_N")]
     pub breakaway: Estimate,
     /// Standard deviation of the single ones.
+    #[serde(rename = "spread_N")]
     pub spread: f64,
     /// Mean effort along the slips.
+    #[serde(rename = "kinetic_N")]
     pub kinetic: Estimate,
     /// Slips.
     pub count: usize,
@@ -53,6 +56,7 @@ pub struct StickSlip {
     /// Median time (s) from slip to slip.
     pub period_s: f64,
     /// Median path (m or rad) of a slip.
+    #[serde(rename = "path_m")]
     pub path: f64,
     /// It goes to and fro by itself: every rest is a ramp from its beginning, every slip goes against the one before.
     pub hunts: bool,

@@ -1,7 +1,7 @@
 //! A simulation for people and for machines.
 
 use super::Simulation;
-use crate::model::Model;
+use crate::model::{Model, keys_of};
 use crate::recording::MotionKind;
 use crate::report::figures::{quantity, range as range_of};
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
@@ -43,7 +43,7 @@ impl Simulation {
 
     /// `preslide.simulation/1`; `seconds` is the time it took.
     pub fn to_json(&self, model: &Model, seconds: f64) -> Value {
-        json!({
+        let answer = json!({
             "schema": "preslide.simulation/1",
             "motion": self.kind.name(),
             "kind": model.friction.kind(),
@@ -54,18 +54,19 @@ impl Simulation {
             },
             "samples": self.t_s.len(),
             "nmse": self.agreement.as_ref().map(|a| a.nmse),
-            "rms": self.agreement.as_ref().map(|a| a.rms),
-            "following_rms": self.following.map(|f| f.rms),
-            "following_max": self.following.map(|f| f.max),
-            "position_rmse": self.position_error.map(|e| e.rmse),
-            "position_mean_abs": self.position_error.map(|e| e.mean_abs),
+            "rms_N": self.agreement.as_ref().map(|a| a.rms),
+            "following_rms_m": self.following.map(|f| f.rms),
+            "following_max_m": self.following.map(|f| f.max),
+            "position_rmse_m": self.position_error.map(|e| e.rmse),
+            "position_mean_abs_m": self.position_error.map(|e| e.mean_abs),
             "position_nmse": self.position_error.map(|e| e.nmse),
-            "position_range": range(&self.position),
-            "force_range": range(&self.force),
-            "breakaway": self.breakaway.map(|b| json!({ "time_s": b.time_s, "force": b.force })),
+            "position_range_m": range(&self.position),
+            "force_range_N": range(&self.force),
+            "breakaway": self.breakaway.map(|b| json!({ "time_s": b.time_s, "force_N": b.force })),
             "notes": self.notes,
             "seconds": seconds,
-        })
+        });
+        keys_of(self.kind, answer)
     }
 
     /// The columns' ranges and, where there is one, the agreement with the measurement.

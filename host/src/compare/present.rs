@@ -3,7 +3,8 @@
 use super::{Compared, Comparison, NEAR, TICK};
 use preslide_fit::friction::FrictionModel;
 use preslide_fit::identify::family::bench::SEED;
-use preslide_fit::recording::{MotionKind, Recording};
+use preslide_fit::model::keys_of;
+use preslide_fit::recording::Recording;
 use preslide_fit::report::figures::quantity;
 use preslide_fit::report::units::name_and_unit;
 use preslide_fit::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
@@ -102,10 +103,6 @@ impl Comparison {
 
     /// `preslide.comparison/1`; `seconds` is the time it took.
     pub fn to_json(&self, recording: &Recording, seconds: f64) -> Value {
-        let closure_key = match recording.kind {
-            MotionKind::Linear => "loop_closure_N",
-            MotionKind::Rotary => "loop_closure_Nm",
-        };
         let models: Vec<Value> = self
             .models
             .iter()
@@ -119,7 +116,7 @@ impl Comparison {
                     "blocks": blocks,
                     "nmse_train": m.candidate.nmse_train,
                     "nmse_test": m.candidate.nmse_test,
-                    closure_key: m.memory.largest,
+                    "loop_closure_N": m.memory.largest,
                     "loop_closure_share": m.memory.largest / m.memory.range,
                     "nonlocal_memory": m.memory.is_nonlocal(),
                     "cycles_mean": m.cost.as_ref().map(|c| c.cycles_mean),
@@ -130,12 +127,12 @@ impl Comparison {
                 })
             })
             .collect();
-        json!({
+        let answer = json!({
             "schema": "preslide.comparison/1",
             "recording": recording.name,
             "held_out": self.held_out(),
             "fit": self.identification.fit_json(recording),
-            "band_hz": self.identification.filtered.then_some(self.identification.band_hz),
+            "band_Hz": self.identification.filtered.then_some(self.identification.band_hz),
             "seed": SEED,
             "models": models,
             "recommended": self.models.get(self.recommended).map(|m| json!({
@@ -146,7 +143,8 @@ impl Comparison {
             "cheapest": self.cheapest,
             "warnings": recording.warnings.iter().map(ToString::to_string).chain(self.notes.iter().cloned()).collect::<Vec<_>>(),
             "seconds": seconds,
-        })
+        });
+        keys_of(recording.kind, answer)
     }
 
     fn held_out(&self) -> String {

@@ -92,7 +92,7 @@ impl Diagnosis {
         let items = self.budget.iter().map(|item| {
             let effect = &self.effects[item.effect];
             json!({ "what": effect.id(), "certainty": effect.certainty(), "probability": effect.confidence,
-                    "share": share(item.nmse), "rms": rms(item.nmse) })
+                    "share": share(item.nmse), "rms_N": rms(item.nmse) })
         });
         let [parameters, hysteresis] = self.before_the_baseline();
         let rest = [
@@ -104,8 +104,8 @@ impl Diagnosis {
             ("not_explained", self.not_explained()),
         ];
         let rest = rest
-            .map(|(what, nmse)| json!({ "what": what, "share": share(nmse), "rms": rms(nmse) }));
-        json!({ "rms": rms(self.whole()), "items": items.chain(rest).collect::<Vec<_>>() })
+            .map(|(what, nmse)| json!({ "what": what, "share": share(nmse), "rms_N": rms(nmse) }));
+        json!({ "rms_N": rms(self.whole()), "items": items.chain(rest).collect::<Vec<_>>() })
     }
 
     /// Who leaves the mismatch.

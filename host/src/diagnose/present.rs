@@ -10,7 +10,7 @@ use super::unnamed::Unknown;
 use super::verdict::Diagnosis;
 use super::words::ids;
 use preslide_fit::effects::form;
-use preslide_fit::model::key_of;
+use preslide_fit::model::{key_of, keys_of};
 use preslide_fit::recording::Recording;
 use preslide_fit::report::Table;
 use preslide_fit::report::figures::probability;
@@ -21,18 +21,18 @@ impl SecondPosition {
     pub fn to_json(&self, recording: &Recording) -> Value {
         let unit = recording.position_unit();
         let smooth = self.lead.iter().map(|lead| json!({
-            "id": "lead_error", "slope": lead.slope, "bow": lead.bow, "lowest_at": lead.lowest_at, "highest_at": lead.highest_at,
-            "share_of_difference": lead.share, "standard_errors": lead.z, "curve": lead.curve,
+            "id": "lead_error", "slope": lead.slope, "bow_m": lead.bow, "lowest_at_m": lead.lowest_at, "highest_at_m": lead.highest_at,
+            "share_of_difference": lead.share, "standard_errors": lead.z, "curve_m": lead.curve,
         }));
         let periodic = self.periodic.iter().map(|p| json!({
-            "id": "periodic_lead_error", "period": p.period, "amplitude": p.amplitude, "highest_at": p.highest_at,
+            "id": "periodic_lead_error", "period_m": p.period, "amplitude_m": p.amplitude, "highest_at_m": p.highest_at,
             "share_of_difference": p.passes.share, "standard_errors": p.passes.z,
             "share_on_stretches": p.stretches.share, "standard_errors_on_stretches": p.stretches.z,
-            "folded": p.folded, "ambiguous_with": [form::ENCODER_ERROR.id],
+            "folded_m": p.folded, "ambiguous_with": [form::ENCODER_ERROR.id],
         }));
         json!({
-            "column": self.column, "unit": unit, "ratio": self.ratio, "passes": self.passes, "rms_left": self.left,
-            "lost_motion": self.lost_motion, "compliance_per_effort": self.compliance,
+            "column": self.column, "unit": unit, "ratio": self.ratio, "passes": self.passes, "rms_left_m": self.left,
+            "lost_motion_m": self.lost_motion, "compliance_m_per_N": self.compliance,
             "effects": smooth.chain(periodic).collect::<Vec<_>>(),
         })
     }
@@ -41,7 +41,7 @@ impl SecondPosition {
 impl Diagnosis {
     /// `preslide.diagnosis/1`.
     pub fn to_json(&self, recording: &Recording, seconds: f64) -> Value {
-        json!({
+        let answer = json!({
             "schema": "preslide.diagnosis/1",
             "recording": recording.name,
             "verdict": self.verdict.name(),
@@ -62,7 +62,7 @@ impl Diagnosis {
             "unnamed": self.unnamed.iter().map(|u| self.unknown_json(u, recording)).collect::<Vec<_>>(),
             "organised_by": self.organised.iter().take(6).map(|o| self.candidate_json(o)).collect::<Vec<_>>(),
             "not_named": self.rest.iter().take(8).map(|o| self.candidate_json(o)).collect::<Vec<_>>(),
-            "noise": { "friction_variability": self.null.noise.variability(), "disturbance": self.null.noise.disturbance() },
+            "noise": { "friction_variability": self.null.noise.variability(), "disturbance_N": self.null.noise.disturbance() },
             "excitation": self.lacks.iter().map(|l| json!({"missing": l.missing, "hides": l.hides.iter().map(|e| e.id()).collect::<Vec<_>>()})).collect::<Vec<_>>(),
             "blocks": self.null.rows.blocks.len(),
             "correction": self.correction.as_ref().map(|c| c.to_json(recording)),
@@ -71,7 +71,8 @@ impl Diagnosis {
             "second_positions": self.second_positions.iter().map(|p| p.to_json(recording)).collect::<Vec<_>>(),
             "left_out": self.null.rows.s.left_out.iter().map(|(name, kind)| json!({"column": name, "why": kind.words()})).collect::<Vec<_>>(),
             "seconds": seconds,
-        })
+        });
+        keys_of(recording.kind, answer)
     }
 
     fn place_json(&self, place: &Place, recording: &Recording) -> Value {
@@ -85,7 +86,7 @@ impl Diagnosis {
         let parameters: Map<String, Value> = e
             .parameters
             .iter()
-            .map(|(name, estimate)| (key_of(recording.kind, name), json!(estimate)))
+            .map(|(name, estimate)| (name.clone(), json!(estimate)))
             .collect();
         let place: Vec<Value> = e
             .places
@@ -115,7 +116,7 @@ impl Diagnosis {
             "symmetry": if u.odd { "odd" } else { "even" },
             "rises_by": u.rises_by, "core": u.change.map(|c| c.name()), "like": u.like.map(|e| e.id()), "confidence": u.confidence,
             "from": u.place.map(|p| p.from), "to": u.place.map(|p| p.to), "share": u.place.map(|p| p.share),
-            "unit": unit, "rms": u.rms, "share_of_mismatch": u.evidence.share, "standard_errors": u.evidence.z,
+            "unit": unit, "rms_N": u.rms, "share_of_mismatch": u.evidence.share, "standard_errors": u.evidence.z,
             "segments": u.evidence.blocks.round(), "segments_of": self.null.rows.blocks.len(),
             "wanders": u.wanders, "features": u.features, "stretches_s": u.happened.as_ref().map_or(&[][..], |h| &h.times),
         })

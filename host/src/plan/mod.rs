@@ -4,11 +4,12 @@
 //! over the travel: what belongs to a place then differs from what belongs to a stroke. Passes over the travel at speeds apart by
 //! equal factors show what depends on speed and on position.
 
+mod present;
 #[cfg(test)]
 mod tests;
 
 use preslide_fit::report::figures::duration;
-use std::fmt::Write;
+use std::fmt::Write as _;
 
 /// What a motion should show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -266,14 +267,5 @@ impl Plan {
     /// Duration (s).
     pub fn seconds(&self) -> f64 {
         (self.rows.len() - 1) as f64 / self.rate
-    }
-
-    /// As CSV; `rotary` says whether positions are rad.
-    pub fn csv(&self, rotary: bool) -> String {
-        let mut text = format!("t_s,{},repeat\n", if rotary { "q_rad" } else { "x_m" });
-        for (row, (x, repeat)) in self.rows.iter().enumerate() {
-            let _ = writeln!(text, "{:.6},{x:.10e},{repeat}", row as f64 / self.rate);
-        }
-        text
     }
 }

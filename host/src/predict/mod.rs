@@ -113,10 +113,7 @@ pub fn predict(recording: &Recording, progress: &Progress) -> Result<Prediction,
     for candidate in models {
         match judged(&candidate.model, &whole, &series, &parts) {
             Ok([chosen, told]) => predictors.push(Predictor {
-                name: match candidate.size() {
-                    0 => candidate.model.friction.kind().to_owned(),
-                    n => format!("GMS, {n} blocks"),
-                },
+                name: candidate.model.friction.name(),
                 lift: None,
                 states: 0,
                 chosen,

@@ -2,6 +2,7 @@
 
 use super::lift::SEED;
 use super::{AHEAD, Prediction, Predictor};
+use preslide_fit::model::keys_of;
 use preslide_fit::recording::Recording;
 use preslide_fit::report::{Page, Section, Table};
 use serde_json::{Value, json};
@@ -85,6 +86,20 @@ impl Prediction {
 
     /// `preslide.prediction/1`; errors in m or rad, of friction in N or N·m.
     pub fn to_json(&self, recording: &Recording, seconds: f64) -> Value {
+        let (predicted, unit, rms, rms_chosen) = match self.forced {
+            true => (
+                "position",
+                recording.position_unit(),
+                "rms_m",
+                "rms_where_chosen_m",
+            ),
+            false => (
+                "friction",
+                recording.effort_unit(),
+                "rms_N",
+                "rms_where_chosen_N",
+            ),
+        };
         let row = |p: &Predictor| {
             json!({
                 "name": p.name,
@@ -93,23 +108,24 @@ impl Prediction {
                 "blocks": p.lift.map(|(lift, _)| lift.blocks),
                 "thin_plates": p.lift.map(|(lift, _)| lift.plates),
                 "ridge": p.lift.map(|(_, ridge)| ridge),
-                "rms_where_chosen": p.chosen,
-                "rms": p.told,
+                rms_chosen: p.chosen,
+                rms: p.told,
             })
         };
-        json!({
+        let answer = json!({
             "schema": "preslide.prediction/1",
             "recording": recording.name,
-            "predicted": if self.forced { "position" } else { "friction" },
-            "unit": if self.forced { recording.position_unit() } else { recording.effort_unit() },
+            "predicted": predicted,
+            "unit": unit,
             "sample_time_s": recording.sample_time_s(),
-            "ahead": AHEAD,
+            "ahead_samples": AHEAD,
             "seed": SEED,
             "predictors": self.predictors.iter().map(row).collect::<Vec<_>>(),
             "recommended": self.predictors[self.best].name,
             "notes": self.notes,
             "seconds": seconds,
-        })
+        });
+        keys_of(recording.kind, answer)
     }
 
     /// The report.

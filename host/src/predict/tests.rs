@@ -96,7 +96,7 @@ fn blocks_see_the_next_sample_and_the_machine_itself_the_next_second() {
     let json = found.to_json(&recording, 0.0);
     assert_eq!(json["predicted"], "position");
     assert_eq!(
-        json["predictors"][0]["rms"].as_array().map(Vec::len),
+        json["predictors"][0]["rms_m"].as_array().map(Vec::len),
         Some(4)
     );
 }

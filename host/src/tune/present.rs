@@ -83,7 +83,7 @@ impl Tuning {
             "recommended": recommended,
             "fits": self.recommended.is_ok(),
             "reason": self.recommendation(),
-            "budget": { "clock_hz": self.budget.clock, "rate_hz": self.budget.rate, "share": self.budget.share },
+            "budget": { "clock_Hz": self.budget.clock, "rate_Hz": self.budget.rate, "share": self.budget.share },
             "cost_table": self.origin,
             "warnings": self.notes,
             "seconds": seconds,

@@ -187,7 +187,7 @@ impl Experiment {
                     "nmse_average": size.nmse_average,
                     "nmse_own": interval_json(&size.nmse_own),
                     "nmse_others": interval_json(&size.nmse_others),
-                    "loss": interval_json(&size.loss),
+                    "nmse_loss": interval_json(&size.loss),
                     "stiffness_spread": size.stiffness_spread,
                     "yield_spread": size.yield_spread,
                     "stiffness_N_per_m": size.of_average.stiffness,

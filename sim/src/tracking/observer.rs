@@ -11,6 +11,7 @@ use preslide::control::{
     Learning, LearningSettings, NoFriction, Observed, ObserverSettings, Settings,
 };
 use preslide::{Block, QuasiStaticGms, Units};
+use preslide_fit::recording::MotionKind;
 use preslide_host::tune::observer::{
     DEMANDS, Known, Proposal, UNCERTAINTY, UNMODELLED_KG, propose,
 };
@@ -37,6 +38,7 @@ pub fn proposal(
     let rotor_part = load_kg / (rotor_kg * (rotor_kg + load_kg));
     let decay = drive.damping_n_s_per_m * per_kg + settings.motor.braking() * rotor_part;
     let known = Known {
+        motion: MotionKind::Linear,
         noise: 0.0,
         breakaway,
         contact: blocks.iter().map(|block| block.stiffness).sum(),

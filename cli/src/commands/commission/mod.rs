@@ -100,7 +100,7 @@ impl Commission {
         if self.dry {
             return Ok(());
         }
-        let mut journal = Journal::open(&self.output, bounds.in_words(axis.unit))?;
+        let mut journal = Journal::open(&self.output, bounds.in_words(axis.kind.unit()))?;
         let keys = SpaceBar::stops(&axis.stop);
         // Where a link was pulled, the controller still has what a stage set.
         let found_share = match journal.share {
@@ -300,8 +300,7 @@ impl Run {
             ("unseen-without", &self.motions.unseen),
             ("unseen-with", &self.motions.unseen),
         ] {
-            self.journal
-                .write_motion(name, &plan.csv(self.axis.rotary))?;
+            self.journal.write_motion(name, &plan.csv(self.axis.kind))?;
         }
         self.careful()?;
         self.play("before", 0.0)?;
@@ -448,7 +447,7 @@ impl Run {
             asked.name,
             next.words()
         );
-        let column = if self.axis.rotary { "q_rad" } else { "x_m" };
+        let column = self.axis.kind.column();
         self.journal.write_motion(&asked.name, &next.csv(column))?;
         self.journal.asked.push(asked.clone());
         self.journal.keep()?;
@@ -474,6 +473,7 @@ impl Run {
             overwrite: true,
             absolute: false,
             rate: ROWS_HZ,
+            json: None,
         })?;
         self.journal
             .played
@@ -525,10 +525,15 @@ impl Run {
     }
 
     fn report(&self, findings: &Findings) -> Result<(), Failure> {
-        let page = page::page(&self.journal, findings, self.axis.unit, command_line())?;
+        let page = page::page(
+            &self.journal,
+            findings,
+            self.axis.kind.unit(),
+            command_line(),
+        )?;
         let path = self.journal.file("report.html");
         super::outputs::write_with(&path, |path| page.write_html(path))?;
-        for line in page::result(&self.journal, self.axis.unit) {
+        for line in page::result(&self.journal, self.axis.kind.unit()) {
             say!("{line}");
         }
         explain!("{}", findings.diagnosis.recommendation(&findings.recording));

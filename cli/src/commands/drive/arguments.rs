@@ -83,4 +83,8 @@ pub struct PlayArgs {
     /// Rows of the recording per second
     #[arg(long, value_name = "HZ", default_value = "1kHz", value_parser = parse_frequency)]
     pub rate: f64,
+
+    /// Write how closely the axis followed, and what is missing, as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
 }

@@ -8,6 +8,7 @@ use arguments::{Home, Jog, MarkArg, Move, PlayArgs};
 use clap::{Args, Subcommand};
 use preslide_drive::{BAUD, Drive as Session, DriveError, open, quantity, screen, words};
 use preslide_fit::model::{Model, key_of};
+use preslide_fit::recording::MotionKind;
 use preslide_fit::report::{figures, units::name_and_unit};
 use preslide_host::drive::loadable;
 use preslide_link::{GainSettings, Homing, Mark, Mode, Name, Request};
@@ -150,7 +151,7 @@ impl Drive {
     pub fn run(self) -> Result<(), Failure> {
         let session = self.controller.session()?;
         match self.command {
-            None => Ok(screen::run(session, self.controller.unit())?),
+            None => Ok(screen::run(session, self.controller.kind().unit())?),
             Some(command) => Commanded::new(session, &self.controller)?.carry_out(command),
         }
     }
@@ -162,8 +163,11 @@ impl ControllerArgs {
         Ok(Session::begin(line)?)
     }
 
-    fn unit(&self) -> &'static str {
-        if self.rotary { "rad" } else { "m" }
+    fn kind(&self) -> MotionKind {
+        match self.rotary {
+            true => MotionKind::Rotary,
+            false => MotionKind::Linear,
+        }
     }
 
     /// The axis behind it.
@@ -178,10 +182,8 @@ pub struct Commanded {
     pub drive: Session,
     /// Set by Ctrl-C, and by anyone who wants it to stop.
     pub stop: Arc<AtomicBool>,
-    /// Of positions.
-    pub unit: &'static str,
-    /// It turns.
-    pub rotary: bool,
+    /// Whether it turns.
+    pub kind: MotionKind,
     /// As it was given.
     pub port: String,
 }
@@ -191,8 +193,7 @@ impl Commanded {
         Ok(Self {
             drive,
             stop: stop_flag()?,
-            unit: controller.unit(),
-            rotary: controller.rotary,
+            kind: controller.kind(),
             port: controller.port.clone(),
         })
     }
@@ -264,7 +265,7 @@ impl Commanded {
     fn tell_state(&mut self) -> Result<(), Failure> {
         let state = self.drive.state()?;
         let identity = *self.drive.identity();
-        for line in words::state(&state, identity.count, identity.rate_hz, self.unit) {
+        for line in words::state(&state, identity.count, identity.rate_hz, self.kind.unit()) {
             say!("{line}");
         }
         let saved = if identity.saved {
@@ -281,7 +282,7 @@ impl Commanded {
         let stop = Arc::clone(&self.stop);
         let state = self.drive.wait(|| stop.load(Ordering::Relaxed))?;
         let position = state.position as f64 * self.drive.identity().count;
-        say!("stands at {}", quantity::shown(position, self.unit));
+        say!("stands at {}", quantity::shown(position, self.kind.unit()));
         Ok(())
     }
 
@@ -412,7 +413,7 @@ impl Commanded {
             return Err(Failure::Data(format!(
                 "the controller has {:e} {} a count and {} Hz, the file {:e} and {} Hz: these are compiled in: build the firmware with that file",
                 identity.count,
-                self.unit,
+                self.kind.unit(),
                 identity.rate_hz,
                 described.encoder.count,
                 described.hardware.rate_hz

@@ -2,13 +2,15 @@
 
 use super::arguments::PlayArgs;
 use super::{Commanded, Failure, SAMPLES_PER_ROW};
-use crate::commands::capture::{OnceWritten, refuse_existing};
-use crate::commands::outputs;
+use crate::commands::capture::{OnceWritten, machine, refuse_existing};
+use crate::commands::outputs::{self, write_json};
 use preslide_drive::{Motion, Play, Played, quantity};
+use preslide_fit::model::keys_of;
 use preslide_fit::progress::Progress;
-use preslide_fit::recording::{self, LoadOptions, MotionKind, Needs};
+use preslide_fit::recording::{self, LoadOptions, Needs};
 use preslide_host::capture::{Recorder, Scale, Summary};
 use preslide_link::{Identity, Sample};
+use serde_json::json;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -16,7 +18,11 @@ impl Commanded {
     /// Plays, and prints how closely the axis followed: RMS and largest error (10⁻⁹ m or rad).
     pub fn play(&mut self, play: &PlayArgs) -> Result<(f64, f64), Failure> {
         refuse_existing(&play.output, play.overwrite)?;
-        outputs::check(&[&play.motion], &[("-o", Some(&play.output))], None)?;
+        outputs::check(
+            &[&play.motion],
+            &[("-o", Some(&play.output)), ("--json", play.json.as_ref())],
+            None,
+        )?;
         let identity = *self.drive.identity();
         let options = LoadOptions {
             needs: Needs::Motion,
@@ -27,7 +33,7 @@ impl Commanded {
             .map_err(|reason| Failure::Input(format!("{}: {reason}", play.motion.display())))?;
         let playing = Play {
             offset: self.offset(play.absolute, &motion, identity.count)?,
-            unit: self.unit,
+            unit: self.kind.unit(),
             every: every(play, &identity) as u16,
         };
         let mut following = Following::default();
@@ -46,8 +52,16 @@ impl Commanded {
         let (rms, largest) = following.of(identity.count);
         say!(
             "following error: RMS {rms:.1} n{u}, largest {largest:.0} n{u}",
-            u = self.unit
+            u = self.kind.unit()
         );
+        if let Some(path) = &play.json {
+            let answer = json!({
+                "schema": "preslide.play/1", "points": played.points, "length_s": motion.seconds(identity.rate_hz),
+                "buffer_lowest": played.lowest, "following_rms_m": 1e-9 * rms, "following_max_m": 1e-9 * largest,
+                "recorded": machine(&summary),
+            });
+            write_json(path, &keys_of(self.kind, answer))?;
+        }
         Ok((rms, largest))
     }
 
@@ -68,8 +82,8 @@ impl Commanded {
         if (stands - motion.start()).abs() > 2.0 * count {
             return Err(Failure::Input(format!(
                 "the motion begins at {} and the axis stands at {}: `move --to {:.9}` first",
-                quantity::shown(motion.start(), self.unit),
-                quantity::shown(stands, self.unit),
+                quantity::shown(motion.start(), self.kind.unit()),
+                quantity::shown(stands, self.kind.unit()),
                 motion.start()
             )));
         }
@@ -86,11 +100,7 @@ impl Commanded {
     ) -> Result<(Played, Summary), Failure> {
         let identity = *self.drive.identity();
         let scale = Scale {
-            motion: if self.rotary {
-                MotionKind::Rotary
-            } else {
-                MotionKind::Linear
-            },
+            motion: self.kind,
             sample_time_s: 1.0 / f64::from(identity.rate_hz),
             count: identity.count,
             effort_per_a: identity.effort_per_a.into(),

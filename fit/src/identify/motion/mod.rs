@@ -19,7 +19,7 @@ use super::Identification;
 use crate::effects::form;
 use crate::model::Model;
 use crate::progress::Progress;
-use crate::recording::{MotionKind, Recording};
+use crate::recording::Recording;
 use crate::signal::{End, Kinematics};
 use crate::simulate::closed::Controller;
 use crate::statistics::{Estimate, quantile};
@@ -109,10 +109,7 @@ pub fn fit(
         ));
     }
     if controller.is_some() && recording.reference.is_none() {
-        let column = match recording.kind {
-            MotionKind::Linear => "x_ref_m",
-            MotionKind::Rotary => "q_ref_rad",
-        };
+        let column = recording.kind.reference_column();
         return Err(format!(
             "{name}: --controller follows a reference, and there is none; bring it in with --map {column}=COLUMN, or leave out --controller for the open loop"
         ));

@@ -1,10 +1,11 @@
 //! A motion fit for people and for machines.
 
-use super::super::fit::{self as force_fit, shown};
+use super::super::fit::{key, shown, unit};
 use super::super::present::bounds;
 use super::search::{SEED, long_pieces};
 use super::told::NUDGE;
 use super::{Apart, MotionFit};
+use crate::model::keys_of;
 use crate::recording::{MotionKind, Recording};
 use crate::report::figures::digits;
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
@@ -13,27 +14,28 @@ use serde_json::{Value, json};
 impl MotionFit {
     /// `preslide.motion_fit/1`; `seconds` is the time it took.
     pub fn to_json(&self, recording: &Recording, seconds: f64) -> Value {
-        let apart = |a: Apart| json!({ "rms": a.rms, "mean_abs": a.mean_abs });
+        let apart = |a: Apart| json!({ "rms_m": a.rms, "mean_abs_m": a.mean_abs });
         let parameters = self.parameters.iter();
-        json!({
+        let answer = json!({
             "schema": "preslide.motion_fit/1",
             "recording": recording.name,
             "effort_unit": recording.effort_unit(),
             "position_unit": recording.position_unit(),
             "closed_loop": self.closed_loop,
             "fit": {
-                "parameters": parameters.map(|(name, e)| ((*name).to_owned(), json!(e))).collect::<serde_json::Map<_, _>>(),
+                "parameters": parameters.map(|(name, e)| (key(recording.kind, name), json!(e))).collect::<serde_json::Map<_, _>>(),
                 "motion_error": apart(self.errors[1]),
                 "motion_error_of_force_fit": apart(self.errors[0]),
                 "motion_error_held_out": self.held_out.map(apart),
             },
-            "starts": { "seed": SEED, "losses": self.starts, "agree": self.agree, "window_s": self.window_s },
+            "starts": { "seed": SEED, "losses_m": self.starts, "agree": self.agree, "window_s": self.window_s },
             "tried": self.tried.iter().map(|t| json!({ "id": t.id, "change": t.change, "taken": t.taken })).collect::<Vec<_>>(),
-            "moved_by_one_percent": { "drive_gain": self.moves[0], "friction": self.moves[1] },
-            "told_together": self.together,
+            "moved_by_one_percent": { "drive_gain_m": self.moves[0], "friction_m": self.moves[1] },
+            "correlated": self.together,
             "notes": self.notes(recording),
             "seconds": seconds,
-        })
+        });
+        keys_of(recording.kind, answer)
     }
 
     /// Parameters with their intervals, beside those of the fit of the force.
@@ -58,7 +60,7 @@ impl MotionFit {
                 .map(|((name, e), before)| {
                     let [from, to] = bounds(e);
                     vec![
-                        shown(recording, name).to_owned(),
+                        shown(recording, name).replace('_', " "),
                         digits(e.value),
                         from,
                         to,
@@ -126,7 +128,8 @@ impl MotionFit {
         }
         let list = |taken: bool| {
             let of = self.tried.iter().filter(|t| t.taken == taken);
-            let shown = of.map(|t| format!("{} ({:+.1} %)", t.id, 100.0 * t.change));
+            let shown =
+                of.map(|t| format!("{} ({:+.1} %)", t.id.replace('_', " "), 100.0 * t.change));
             shown.collect::<Vec<_>>().join(", ")
         };
         let lists = [("Taken", list(true)), ("Tried and left out", list(false))];
@@ -231,19 +234,4 @@ const MILLI: f64 = 1e3;
 /// That unit.
 fn small(kind: MotionKind) -> String {
     format!("m{}", kind.unit())
-}
-
-fn unit(recording: &Recording, name: &str) -> String {
-    let x = recording.position_unit();
-    let force = force_fit::unit(recording, "coulomb");
-    match name {
-        "viscous_half_difference" => unit(recording, "viscous"),
-        "drag" => format!("{force}·s²/{x}²"),
-        "stribeck_velocity" => format!("{x}/s"),
-        "share_of_transmitted"
-        | "motor_share_of_inertia"
-        | "friction_cosine1"
-        | "friction_cosine2" => "-".to_owned(),
-        _ => force_fit::unit(recording, name),
-    }
 }

@@ -4,6 +4,7 @@ use super::window::AS_IT_IS;
 use super::*;
 use crate::identify::{Options, identify};
 use crate::model::Model;
+use crate::recording::MotionKind;
 use crate::recording::{LoadOptions, Needs, load_csv};
 use crate::simulate::closed::motion_in_loop;
 use crate::simulate::motion_with_inertia;

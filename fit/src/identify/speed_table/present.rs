@@ -90,7 +90,7 @@ impl SpeedTable {
         let parameters: serde_json::Map<String, Value> = self
             .parameters
             .iter()
-            .map(|(name, e)| (key(self.speeds.kind, name).to_owned(), json!(e)))
+            .map(|(name, e)| (key(self.speeds.kind, name), json!(e)))
             .collect();
         json!({
             "schema": "preslide.identification/1",
@@ -104,9 +104,12 @@ impl SpeedTable {
                 "parameters": parameters,
                 "rows": self.fitted.len(),
                 "stick_slip": null,
+                "saturation": null,
+                "delay": null,
+                "between": [],
             },
             "parameters": parameters,
-            "band_hz": null,
+            "band_Hz": null,
             "held_out": "rows in turn",
             "friction": [{
                 "kind": "coulomb",

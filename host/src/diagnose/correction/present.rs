@@ -2,16 +2,16 @@
 
 use super::{Added, Correction};
 use crate::diagnose::rows::Rows;
-use preslide_fit::model::key_of;
-use preslide_fit::recording::{MotionKind, Recording};
+use preslide_fit::recording::Recording;
 use preslide_fit::report::figures::{left, quantity};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 
 impl Added {
-    fn to_json(&self, kind: MotionKind) -> Value {
-        let parameters: Map<String, Value> = (self.parameters.iter())
-            .map(|(key, estimate)| (key_of(kind, key), json!(estimate)))
+    fn to_json(&self) -> Value {
+        let parameters = self.parameters.iter();
+        let parameters: Map<String, Value> = parameters
+            .map(|(key, estimate)| ((*key).to_owned(), json!(estimate)))
             .collect();
         json!({
             "id": self.id, "what": self.words, "certainty": self.certainty, "parameters": parameters,
@@ -23,17 +23,16 @@ impl Added {
 impl Correction {
     /// `preslide.correction/1`: the deltas, in absolute units.
     pub fn to_json(&self, recording: &Recording) -> Value {
-        let key = |key: &str| key_of(recording.kind, key);
         let blocks: Vec<Value> = (self.blocks.iter())
-            .map(|(k, d)| json!({ key("stiffness_N_per_m"): k, key("yield_m"): d }))
+            .map(|(k, d)| json!({ "stiffness_N_per_m": k, "yield_displacement_m": d }))
             .collect();
         let direction: Vec<Value> = (self.direction.iter())
-            .map(|(k, d)| json!({ "share": k * d, key("yield_m"): d }))
+            .map(|(k, d)| json!({ "share": k * d, "yield_displacement_m": d }))
             .collect();
         json!({
             "schema": "preslide.correction/1", "recording": recording.name, "unit": recording.effort_unit(),
             "nmse_simulation": self.left[0], "nmse_corrected": self.left[1],
-            "terms": self.terms.iter().map(|t| t.to_json(recording.kind)).collect::<Vec<_>>(),
+            "terms": self.terms.iter().map(Added::to_json).collect::<Vec<_>>(),
             "left_out": self.left_out, "blocks": blocks, "direction": direction,
         })
     }
@@ -64,10 +63,7 @@ impl Correction {
     pub fn csv(&self, recording: &Recording) -> String {
         let (effort, unit) = (recording.role.name(), recording.effort_unit());
         let length = recording.position_unit();
-        let position = match recording.kind {
-            MotionKind::Linear => "x_m",
-            MotionKind::Rotary => "q_rad",
-        };
+        let position = recording.kind.column();
         let mut names = vec![
             "t_s".to_owned(),
             position.to_owned(),

@@ -115,8 +115,11 @@ impl File<'_> {
             .collect();
         let mut add = |field: &str, rest: &str| fields.push((field.to_owned(), rest.to_owned()));
         if self.is_placed() {
-            add("float position; /* as last told */", "s->position = 0.0f;");
-            add("bool located; /* it was told */", "s->located = false;");
+            add("float position; /* as last set */", "s->position = 0.0f;");
+            add(
+                "bool located; /* the position has been set */",
+                "s->located = false;",
+            );
         }
         if self.terms.iter().any(|term| term.c.sum == Sum::Shift) {
             add("float shift; /* of the position */", "s->shift = 0.0f;");
@@ -124,7 +127,7 @@ impl File<'_> {
         }
         for (column, said) in self.measured() {
             add(
-                &format!("float {column}; /* {said}, as last told */"),
+                &format!("float {column}; /* {said}, as last set */"),
                 &format!("s->{column} = NAN;"),
             );
         }

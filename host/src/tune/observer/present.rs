@@ -1,6 +1,7 @@
 //! A proposal for people and for machines.
 
 use super::{DEMANDS, Proposal};
+use preslide_fit::model::keys_of;
 use preslide_fit::report::{Section, Table};
 use serde_json::{Value, json};
 
@@ -45,28 +46,29 @@ impl Proposal {
         let cases = self.cases.iter().map(|(case, margins)| {
             json!({
                 "case": case.name,
-                "mass": case.machine.mass,
-                "contact_stiffness": case.machine.contact,
+                "mass_kg": case.machine.mass,
+                "contact_stiffness_N_per_m": case.machine.contact,
                 "delay_ticks": case.machine.delay,
                 "gain_margin": unbounded(margins.gain),
                 "gain_reduction": unbounded(margins.reduction),
                 "phase_deg": margins.phase_deg,
-                "crossover_hz": margins.crossover_hz,
+                "crossover_Hz": margins.crossover_hz,
                 "gain_at_mode": margins.at_mode,
                 "sensitivity_peak": 1.0 / margins.distance,
             })
         });
-        json!({
-            "position": s.position,
-            "velocity": s.velocity,
-            "disturbance": s.disturbance,
-            "mass": s.mass,
-            "braking": s.braking,
-            "limit": s.limit,
-            "top_speed": s.top_speed,
-            "integral_gain": self.gains.integral,
+        let answer = json!({
+            "position_gain": s.position,
+            "velocity_gain_per_s": s.velocity,
+            "disturbance_gain_N_per_m": s.disturbance,
+            "mass_kg": s.mass,
+            "braking_N_s_per_m": s.braking,
+            "limit_N": s.limit,
+            "top_speed_m_s": s.top_speed,
+            "integral_gain_N_per_m_s": self.gains.integral,
             "walk_N2_per_s": self.belief.walk,
             "cases": cases.collect::<Vec<_>>(),
-        })
+        });
+        keys_of(self.motion, answer)
     }
 }

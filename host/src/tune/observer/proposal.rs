@@ -4,10 +4,14 @@ use super::{Belief, Feedback, Gains, Machine, Margins};
 use preslide::ParamError;
 use preslide::control::{Axis, ObserverSettings, PidGains};
 use preslide_fit::friction::FrictionModel;
+use preslide_fit::model::Model;
+use preslide_fit::recording::MotionKind;
 
 /// What is given beside the axis (SI).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Known {
+    /// Whether it turns, by which an answer's keys have their units.
+    pub motion: MotionKind,
     /// Noise of a reading beside its resolution, RMS (m).
     pub noise: f64,
     /// Breakaway force of the friction model (N).
@@ -110,6 +114,8 @@ pub fn cases(axis: &Axis, known: &Known) -> Vec<Case> {
 /// Gains, and what they leave.
 #[derive(Clone, Debug)]
 pub struct Proposal {
+    /// Of the axis.
+    pub motion: MotionKind,
     /// For the controller.
     pub settings: ObserverSettings,
     /// The feedback beside it: the axis's without the integral, whose place the disturbance takes.
@@ -140,17 +146,18 @@ impl Known {
     ///
     /// # Errors
     /// Why it has none.
-    pub fn of_model(friction: &FrictionModel, mode_hz: f64) -> Result<Self, String> {
+    pub fn of_model(model: &Model, mode_hz: f64) -> Result<Self, String> {
         let FrictionModel::Gms {
             breakaway, blocks, ..
-        } = friction
+        } = &model.friction
         else {
             return Err(format!(
                 "the observer's margins need the contacts' stiffness, and a {} has no blocks that have one",
-                friction.kind()
+                model.friction.kind()
             ));
         };
         Ok(Self {
+            motion: model.motion,
             noise: 0.0,
             breakaway: *breakaway,
             contact: blocks.iter().map(|block| block.stiffness).sum(),
@@ -219,6 +226,7 @@ pub fn propose(axis: &Axis, known: &Known, demands: &Demands) -> Result<Proposal
             )
             .map_err(refused)?;
             return Ok(Proposal {
+                motion: known.motion,
                 settings,
                 gains,
                 belief,

@@ -1,10 +1,12 @@
 use super::{DEMANDS, Known, propose};
 use crate::paper;
 use preslide::control::{Axis, ObserverSettings};
+use preslide_fit::recording::MotionKind;
 
 /// The paper's axis on the simulated stage: ten blocks of Table 3, a mode of 368 Hz damped by 5 %.
 fn known() -> Known {
     Known {
+        motion: MotionKind::Linear,
         noise: 0.0,
         breakaway: 0.9,
         contact: (paper::REFERENCE.blocks.iter()).map(|block| block.0).sum(),
