@@ -35,10 +35,10 @@ pub fn check(pages: &[Page]) -> Result<()> {
                 "" => Some(page),
                 file => others.find(|other| other.name == file),
             };
-            // A picture stands beside the pages.
+            // A picture, or the schema, stands beside the pages.
             let is_there = match there {
                 Some(page) => heading.is_empty() || headings(&page.prose).any(|h| h == heading),
-                None => file.ends_with(".svg") && root().join("docs/src").join(file).is_file(),
+                None => !file.ends_with(".md") && root().join("docs/src").join(file).is_file(),
             };
             if !is_there {
                 broken.push(format!("{}: no page or heading `{target}`", page.name));
