@@ -14,8 +14,12 @@ pub fn compare(expected: &[String], printed: &str) -> Result<()> {
     walk(expected, printed, alike).map(|_| ())
 }
 
-/// The expected lines with the numbers that are printed now.
+/// The expected lines with the numbers that are printed now. What is printed as expected stays: of several rows that differ by
+/// their numbers only, the first would take its place.
 pub fn blessed(expected: &[String], printed: &str) -> Result<Vec<String>> {
+    if compare(expected, printed).is_ok() {
+        return Ok(expected.to_vec());
+    }
     let lines = walk(expected, printed, |a, b| skeleton(a) == skeleton(b))?;
     Ok(lines.iter().map(|line| narrow(line)).collect())
 }
@@ -180,5 +184,10 @@ mod tests {
             ["mass  2.8754  kg", "…", "last 7 words"]
         );
         assert!(blessed(&lines("weight 1 kg"), PRINTED).is_err());
+        // The second of two rows that differ by their numbers only.
+        assert_eq!(
+            blessed(&lines("…\nrow 2"), "row 1\nrow 2").unwrap(),
+            ["…", "row 2"]
+        );
     }
 }
