@@ -20,11 +20,26 @@ struct Shown {
     said: String,
     value: f64,
     powers: Powers,
-    /// Between these no machine surprises.
+    /// Between these no machine surprises …
     least: f64,
     most: f64,
+    /// … whose units are stated, up to this.
+    most_stated: f64,
     /// Of a usual axis: of two units that are possible the one that is nearer to it is the likelier.
     usual: f64,
+}
+
+impl Shown {
+    /// Its value with the columns in other units.
+    fn at(&self, scales: &[f64; 4]) -> f64 {
+        let scales = scales.iter().zip(self.powers);
+        let scales = scales.map(|(scale, power)| scale.powi(power));
+        self.value * scales.product::<f64>()
+    }
+
+    fn is_inside(&self, scales: &[f64; 4]) -> bool {
+        (self.least..=self.most).contains(&self.at(scales))
+    }
 }
 
 /// The most of what the axes of one kind have. Beyond it a unit is more likely wrong than the machine is such; `bare` is for a column whose unit
@@ -51,10 +66,10 @@ const LINEAR: Most = Most {
     usual: [0.1, 0.1, 1.0, 10.0],
 };
 /// A spindle of 60,000 turns a minute, for an hour; galvanometers that make 0.1 rad at 1 kHz, 4e6 rad/s²; telescopes of 1e8 kg·m², but robots' first
-/// joints of 500 kg·m². A joint without stops is seldom taken three turns to and fro.
+/// joints of 500 kg·m². What is taken to and fro by 90 of a unit, and never beyond a turn of degrees, is in degrees rather than 14 turns of a motor.
 const ROTARY: Most = Most {
     travel: 2.3e7,
-    bare_travel: 20.0,
+    bare_travel: 90.0,
     speed: 6.3e3,
     acceleration: 1e8,
     inertia: 1e9,
@@ -102,11 +117,11 @@ fn units_of(dimension: Dimension) -> &'static [&'static str] {
 }
 
 /// A column in another unit.
-struct Reading<'a> {
+struct Reading {
     /// 0 where it is as it was read.
     changes: usize,
     stated: usize,
-    unit: &'a str,
+    unit: &'static str,
     /// Decades that it must be nearer to a usual machine to be taken before a more usual unit.
     rank: f64,
     scale: f64,
@@ -124,7 +139,7 @@ impl Plan {
     }
 
     /// The units that a column may be in, with what they make of the values as they were read.
-    fn readings(&self, slot: Slot) -> Vec<Reading<'static>> {
+    fn readings(&self, slot: Slot) -> Vec<Reading> {
         let as_it_is = Reading {
             changes: 0,
             stated: 0,
@@ -303,7 +318,10 @@ impl Recording {
             first.map_or("", |i| plan.names[i].as_str()).to_lowercase()
         };
         // A motor behind a gear turns far; so does a spindle, one way.
-        let is_joint = turns && low.abs().max(high) < TURN && !named(moved).contains("motor");
+        let is_joint = turns
+            && !self.position_integrated
+            && low.abs().max(high) < TURN
+            && !named(moved).contains("motor");
         let far = match self.kind {
             MotionKind::Rotary if !is_joint => most.travel,
             _ if plan.is_bare(moved) => most.bare_travel,
@@ -315,17 +333,19 @@ impl Recording {
             false => LONGEST_SAMPLE_TIME,
         };
         let mut shown = Vec::new();
-        let mut show = |said: String, value, powers, (least, most, usual)| {
-            shown.push(Shown {
-                said,
-                value,
-                powers,
-                least,
-                most,
-                usual,
-            });
-        };
-        let of_step = (LEAST_SAMPLE_TIME, longest, 1e-3);
+        let mut show =
+            |said: String, value, powers, [least, most, most_stated, usual]: [f64; 4]| {
+                shown.push(Shown {
+                    said,
+                    value,
+                    powers,
+                    least,
+                    most,
+                    most_stated,
+                    usual,
+                });
+            };
+        let of_step = [LEAST_SAMPLE_TIME, longest, longest, 1e-3];
         show(
             format!("a sample every {}", short(step, "s")),
             step,
@@ -335,15 +355,21 @@ impl Recording {
         let [usual_travel, usual_speed, usual_ramp, usual_inertia] = most.usual;
         if travel > 0.0 {
             let said = format!("a travel of {}", short(travel, unit));
-            show(said, travel, place, (LEAST_TRAVEL, far, usual_travel));
+            let range = [LEAST_TRAVEL, far, most.travel, usual_travel];
+            show(said, travel, place, range);
             let said = format!("a speed of {}", short(speed, &format!("{unit}/s")));
-            show(said, speed, pace, (0.0, most.speed, usual_speed));
+            show(
+                said,
+                speed,
+                pace,
+                [0.0, most.speed, most.speed, usual_speed],
+            );
         }
         if turns {
             // From rest to the top speed and back within the travel.
             let ramp = speed * speed / travel;
             let said = format!("an acceleration of {}", short(ramp, &format!("{unit}/s²")));
-            let range = (0.0, most.acceleration, usual_ramp);
+            let range = [0.0, most.acceleration, most.acceleration, usual_ramp];
             show(said, ramp, plus(plus(pace, pace, 1), place, -1), range);
         }
         let (low, high) = bounds(&self.effort);
@@ -353,7 +379,7 @@ impl Recording {
         if let Some(&(unit, stated, of_bare, usual)) = of_unit.filter(|_| effort > 0.0) {
             let said = format!("a {} of {}", self.role.name(), short(effort, unit));
             let most = if bare { of_bare } else { stated };
-            show(said, effort, EFFORT, (0.0, most, usual));
+            show(said, effort, EFFORT, [0.0, most, stated, usual]);
         }
         if let Some(inertia) = self.visible_inertia() {
             let (name, unit) = match self.kind {
@@ -366,8 +392,9 @@ impl Recording {
                 MotionKind::Rotary if speed * speed > travel => most.bare_inertia,
                 MotionKind::Rotary => most.inertia,
             };
-            let most = if bare { bare_most } else { most.inertia };
-            let range = (LEAST_INERTIA, most, usual_inertia);
+            let stated = most.inertia;
+            let most = if bare { bare_most } else { stated };
+            let range = [LEAST_INERTIA, most, stated, usual_inertia];
             let powers = plus(plus(EFFORT, STEP, 2), place, -1);
             show(
                 format!("{name} of {}", short(inertia, unit)),
@@ -379,7 +406,12 @@ impl Recording {
         if let Some(times) = self.disagreement() {
             let said = format!("a position that goes {times:.4} times its recorded velocity");
             let powers = plus(plus(place, STEP, -1), [0, 0, 1, 0], -1);
-            show(said, times, powers, (EXPLAINS.recip(), EXPLAINS, 1.0));
+            show(
+                said,
+                times,
+                powers,
+                [EXPLAINS.recip(), EXPLAINS, EXPLAINS, 1.0],
+            );
         }
         shown
     }
@@ -387,75 +419,86 @@ impl Recording {
     /// Values that no machine has, with the units that would put them right: of the fewest columns, of those that no one stated first.
     pub(super) fn implausible(&self, plan: &Plan) -> Option<Warning> {
         let shown = self.shown(plan);
-        let wrong = |scales: &[f64; 4]| {
-            let value = |s: &Shown| {
-                let scales = scales.iter().zip(s.powers);
-                scales
-                    .map(|(scale, power)| scale.powi(power))
-                    .product::<f64>()
-                    * s.value
-            };
-            let outside = shown
-                .iter()
-                .filter(|s| !(s.least..=s.most).contains(&value(s)))
-                .count();
-            let apart = |s: &Shown| (value(s) / s.usual).log10().abs().min(20.0);
-            (outside, shown.iter().map(apart).sum::<f64>())
-        };
-        if wrong(&[1.0; 4]).0 == 0 {
+        let as_read = [1.0; 4];
+        let found: Vec<&Shown> = shown.iter().filter(|s| !s.is_inside(&as_read)).collect();
+        if found.is_empty() {
             return None;
         }
         let readings = COLUMNS.map(|slot| plan.readings(slot));
-        let mut right = Vec::new();
-        let counts = readings.each_ref().map(Vec::len);
-        for number in 0..counts.iter().product() {
-            let mut rest = number;
-            let chosen: [&Reading; 4] = std::array::from_fn(|k| {
-                let at = rest % counts[k];
-                rest /= counts[k];
-                &readings[k][at]
-            });
-            let (outside, apart) = wrong(&chosen.map(|r| r.scale));
-            let sum = |of: fn(&Reading) -> usize| chosen.iter().map(|r| of(r)).sum::<usize>();
-            if outside == 0 {
-                let apart = apart + chosen.iter().map(|r| r.rank).sum::<f64>();
-                right.push((sum(|r| r.stated), sum(|r| r.changes), apart, chosen));
-            }
+        let mut right = right(&shown, &readings);
+        // Another unit of the same columns is told, too.
+        let changed = |r: &Right| r.chosen.map(|reading| reading.changes);
+        if let Some(best) = right.first().map(changed) {
+            right.retain(|r| changed(r) == best);
         }
-        right.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
-        let found = shown
-            .iter()
-            .filter(|s| !(s.least..=s.most).contains(&s.value));
-        let found: Vec<&str> = found.map(|s| s.said.as_str()).collect();
+        let mut remedies = Vec::new();
         let mut maps = Vec::new();
-        let mut proposed = |chosen: &[&Reading; 4], is_best: bool| {
-            let changed = COLUMNS.iter().zip(chosen).filter(|(_, r)| r.changes > 0);
-            let said = changed.filter_map(|(slot, reading)| {
+        for (i, Right { chosen, .. }) in right.iter().take(2).enumerate() {
+            let columns = COLUMNS.iter().zip(chosen).filter(|(_, r)| r.changes > 0);
+            let columns = columns.filter_map(|(slot, reading)| {
                 let (column, map) = plan.rescaled(*slot, reading.scale)?;
                 let said = format!("`{column}` is in {}, give --map '{map}'", reading.unit);
-                maps.extend(is_best.then_some(map));
+                maps.extend((i == 0).then_some(map));
                 Some(said)
             });
-            said.collect::<Vec<_>>().join(" and ")
-        };
-        let best = right.first().map(|r| (r.0, r.1));
-        let alike = right.iter().filter(|r| Some((r.0, r.1)) == best).take(2);
-        let remedies: Vec<String> = alike
-            .enumerate()
-            .map(|(i, r)| proposed(&r.3, i == 0))
-            .collect();
-        let remedy = match remedies.is_empty() {
-            true => "check the units of its columns; --map 'NAME=FACTOR*COLUMN' takes another"
-                .to_owned(),
-            false => format!("if {}", remedies.join("; if ")),
-        };
+            remedies.push(format!("if {}", columns.collect::<Vec<_>>().join(" and ")));
+        }
+        if remedies.is_empty() {
+            let other = "check the units of its columns; --map 'NAME=FACTOR*COLUMN' takes another";
+            remedies.push(other.to_owned());
+        }
+        if found
+            .iter()
+            .all(|s| (s.least..=s.most_stated).contains(&s.value))
+        {
+            let to = |map: &str| map.split('=').next().map(str::to_owned);
+            let asked = |map: &String| maps.iter().any(|m| to(m) == to(map));
+            let bare = COLUMNS.iter().filter(|slot| plan.is_bare(**slot));
+            let mut as_read = bare.filter_map(|slot| Some(plan.rescaled(*slot, 1.0)?.1));
+            let as_it_is = as_read.find(asked);
+            remedies.extend(as_it_is.map(|map| format!("if it is right, --map '{map}' says so")));
+        }
+        let found: Vec<&str> = found.iter().map(|s| s.said.as_str()).collect();
+        let (found, remedies) = (found.join("; nor "), remedies.join("; "));
         Some(Warning {
             maps,
-            ..warning!(
-                "implausible",
-                "hardly any machine has {}: {remedy}",
-                found.join("; nor ")
-            )
+            ..warning!("implausible", "hardly any machine has {found}: {remedies}")
         })
     }
+}
+
+/// Columns read so that everything is inside.
+struct Right<'a> {
+    chosen: [&'a Reading; 4],
+    /// Changes of what was stated, changes, and decades from a usual machine.
+    cost: (usize, usize, f64),
+}
+
+/// Every one of them, the likeliest first.
+fn right<'a>(shown: &[Shown], readings: &'a [Vec<Reading>; 4]) -> Vec<Right<'a>> {
+    let counts = readings.each_ref().map(Vec::len);
+    let all = (0..counts.iter().product()).map(|number: usize| {
+        let mut rest = number;
+        std::array::from_fn(|k| {
+            let at = rest % counts[k];
+            rest /= counts[k];
+            &readings[k][at]
+        })
+    });
+    let mut right: Vec<Right> = all
+        .filter_map(|chosen: [&Reading; 4]| {
+            let scales = chosen.map(|r| r.scale);
+            let sum = |of: fn(&Reading) -> usize| chosen.iter().map(|r| of(r)).sum();
+            let apart = shown
+                .iter()
+                .map(|s| (s.at(&scales) / s.usual).log10().abs().min(20.0));
+            let apart = apart.chain(chosen.map(|r| r.rank)).sum();
+            let cost = (sum(|r| r.stated), sum(|r| r.changes), apart);
+            let is_right = shown.iter().all(|s| s.is_inside(&scales));
+            is_right.then_some(Right { chosen, cost })
+        })
+        .collect();
+    let order = |r: &Right| (r.cost.0, r.cost.1);
+    right.sort_by(|a, b| order(a).cmp(&order(b)).then(a.cost.2.total_cmp(&b.cost.2)));
+    right
 }
