@@ -173,13 +173,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_commands_a_terminal_is_spelt_out() {
-        let name = "x\u{1b}[2J\u{202e}µ\u{9b}";
-        let shown = printable(format_args!("a\tb\n{name}"));
-        assert_eq!(shown, "a\tb\nx\\u{1b}[2J\\u{202e}µ\\u{9b}");
-    }
-
-    #[test]
     fn sentences_are_broken_between_words_and_nothing_else_is() {
         let words = "the friction of this axis is 12.3 mN ± 0.4 mN and falls with the speed";
         let long = [words; 4].join(", ");

@@ -348,7 +348,10 @@ fn are_units(cells: &[impl AsRef<str>]) -> bool {
 fn may_be_units(cells: &[impl AsRef<str>]) -> bool {
     const LONGEST: usize = 10;
     let mut cells = cells.iter().map(AsRef::as_ref).filter(|c| !c.is_empty());
-    let own = |c: &str| c.chars().count() <= LONGEST && quantity(c).slot.is_none();
+    let own = |c: &str| {
+        let said = quantity(c);
+        c.chars().count() <= LONGEST && (said.slot.is_none() || said.is_count)
+    };
     cells.clone().any(units::is_unit) && cells.all(|c| units::is_unit(c) || own(c))
 }
 
@@ -360,7 +363,7 @@ fn are_above(names: &[String], below: &[String]) -> bool {
     may_be_units(below) && !may_be_units(names) && names.iter().any(says)
 }
 
-/// Names with those of the units below them that nobody knows: the question is about both.
+/// Names with those of the units below them that no number turns into SI: the question is about both.
 fn with_unknown(names: Vec<String>, units: &[String]) -> Vec<String> {
     let units = units
         .iter()
@@ -368,7 +371,8 @@ fn with_unknown(names: Vec<String>, units: &[String]) -> Vec<String> {
         .chain(std::iter::repeat(""));
     let both = names.into_iter().zip(units).map(|(name, unit)| {
         let bare = unit.trim_matches(|c| "[]()".contains(c));
-        match bare.is_empty() || units::is_unit(unit) || split(&name).1.is_some() {
+        let is_none = ["", "-", "1"].contains(&bare);
+        match is_none || units::unit(unit).is_some() || split(&name).1.is_some() {
             true => name,
             false => format!("{name} [{bare}]"),
         }
@@ -437,7 +441,7 @@ mod tests {
             (
                 b"Scope;1.2\nRate;1000\n\nTime;Pos;Torque\nms;mm;%\n0;1;2\n1;2;3\n2;3;4\n",
                 b';',
-                "Time Pos Torque",
+                "Time Pos Torque [%]",
                 "ms mm %",
                 6,
             ),
@@ -469,8 +473,15 @@ mod tests {
             (
                 b"Time;Position;Speed;Torque\ns;LU;LU/min;%\n0;1;2;3\n1;2;3;4\n",
                 b';',
-                "Time Position [LU] Speed [LU/min] Torque",
+                "Time Position [LU] Speed [LU/min] Torque [%]",
                 "s LU LU/min %",
+                3,
+            ),
+            (
+                b"Time;Pos;Iq\nticks;mm;A\n0;1;2\n",
+                b';',
+                "Time [ticks] Pos Iq",
+                "ticks mm A",
                 3,
             ),
             (

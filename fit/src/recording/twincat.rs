@@ -310,7 +310,13 @@ mod tests {
         let blanks = export(" ", "each", milliseconds)
             .replace("Starttime of export", "\"Starttime of export\"");
         let short: String = whole.split_inclusive('\n').take(8).collect();
+        let own = whole.replacen("(None)", "LU (User)", 1);
         for (export, map, parts) in [
+            (
+                &own,
+                &[][..],
+                &["fActPos [LU] 1000", "FACTOR*fActPos [LU]"][..],
+            ),
             (&whole, &[][..], &["fActPos 1000", "fTorque [A]"][..]),
             (&cell, &MAP, &["line 11", "fActPos"]),
             (&commas, &MAP, &["tabs or semicolons"]),
