@@ -155,8 +155,8 @@ fn recordings_of_different_machines_are_not_joined() {
 fn no_byte_of_a_file_commands_the_terminal() {
     let folder = Folder::new();
     let bad = "\u{1b}[2J\u{9b}\u{202e}7";
-    let cell = recording(HEADER).replacen("\n0,", &format!("\n{bad},"), 1);
-    let cell = folder.file("cell.csv", cell.repeat(2));
+    let cell = recording(HEADER).replacen('\n', &format!("\n{bad}"), 1);
+    let cell = folder.file("cell.csv", cell);
     let name = folder.file("name.csv", recording(&format!("t_s,x{bad},force_N")));
     let model = folder.file("model.toml", format!("schema = \"{bad}\"\n"));
     for line in [
