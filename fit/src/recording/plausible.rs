@@ -176,19 +176,22 @@ impl Plan {
     fn rescaled(&self, slot: Slot, scale: f64) -> Option<(&str, String)> {
         let source = self.source(slot)?;
         let name = |&i: &usize| self.names.get(i).map_or("", String::as_str);
+        // To the digits that a unit has.
+        let scaled = |factor: f64| {
+            let digits = format!("{:.12e}", scale * factor);
+            digits.parse().unwrap_or(scale * factor)
+        };
         let term = |factor: f64, columns: &[usize]| {
             let columns: Vec<&str> = columns.iter().map(name).collect();
-            // To the digits that a unit has.
-            let factor = format!("{:.12e}", scale * factor).parse().unwrap_or(factor);
-            format!("{factor}*{}", columns.join("*"))
+            format!("{:+}*{}", scaled(factor), columns.join("*"))
         };
         let terms = source.terms.iter().map(|t| term(t.factor, &t.columns));
+        let mut sum: String = terms.collect();
+        if source.offset != 0.0 {
+            sum += &format!("{:+}", scaled(source.offset));
+        }
         let first = source.columns().next()?;
-        let map = format!(
-            "{}={}",
-            source.known.name,
-            terms.collect::<Vec<_>>().join("+")
-        );
+        let map = format!("{}={}", source.known.name, sum.trim_start_matches('+'));
         Some((name(&first), map))
     }
 }
@@ -218,8 +221,9 @@ impl Recording {
     /// Places at which the motion is looked at, and the samples to either side that show its acceleration: a tenth of a stroke.
     fn places(&self) -> (Vec<usize>, usize) {
         const PLACES: usize = 2000;
+        const LONGEST: usize = 1000;
         let strokes = 1 + self.segment.windows(2).filter(|p| p[0] != p[1]).count();
-        let half = (self.len() / strokes / 20).max(1);
+        let half = (self.len() / strokes / 20).clamp(1, LONGEST);
         let inside = self
             .pieces
             .iter()
@@ -235,7 +239,8 @@ impl Recording {
         const FEWEST: usize = 60;
         let is_force = matches!(self.role, EffortRole::Force | EffortRole::Torque);
         let (places, half) = self.places();
-        if !is_force || places.len() < FEWEST || self.position.is_empty() {
+        let is_there = self.position.len() == self.len() && self.effort.len() == self.len();
+        if !is_force || places.len() < FEWEST || !is_there {
             return None;
         }
         let (x, t, f) = (&self.position, &self.t_s, &self.effort);

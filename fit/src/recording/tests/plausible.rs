@@ -215,6 +215,26 @@ fn a_mass_that_no_machine_has_is_asked_about() {
         asked.contains("a mass of 9") && asked.contains("`pos` is in m,"),
         "{asked}"
     );
+    // With all that the map has, and without an effort.
+    let micrometres = csv.lines().enumerate().map(|(i, line)| match i {
+        0 => "t_s,pos,force_N\n".to_owned(),
+        _ => {
+            let cells: Vec<f64> = line.split(',').flat_map(str::parse).collect();
+            format!("{},{},{}\n", cells[0], 1e6 * cells[1], cells[2])
+        }
+    });
+    let micrometres: String = micrometres.collect();
+    let summed = text(&micrometres, &[("x_m", "2*pos-1*pos-0.03")]).expect("read");
+    let asked = said(&summed, "implausible");
+    let map = "'x_m=0.000002*pos-0.000001*pos-0.00000003'";
+    assert!(asked.contains(map), "{asked}");
+    let options = LoadOptions {
+        needs: Needs::Motion,
+        ignore: vec!["force_N".to_owned()],
+        ..options(&[("x_m", "pos")])
+    };
+    let motion = load_csv(csv.as_bytes(), "motion.csv", &options).expect("a motion");
+    assert!(!warns(&motion, "implausible"));
     let right = text(&csv, &[("x_m", "1*pos")]).expect("read");
     assert!(!warns(&right, "implausible"), "{:?}", right.warnings);
 }
