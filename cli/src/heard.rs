@@ -126,9 +126,24 @@ fn tied(words: &str) -> String {
     tied
 }
 
+/// The same with what would command a terminal, or turn the order of its letters, spelt out: names and cells are of strangers' files.
+fn printable(line: std::fmt::Arguments) -> String {
+    let commands = |c: char| c.is_control() && !"\n\t".contains(c);
+    let turns = |c: char| matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let mut printable = String::new();
+    for c in line.to_string().chars() {
+        match commands(c) || turns(c) {
+            true => printable.extend(c.escape_unicode()),
+            false => printable.push(c),
+        }
+    }
+    printable
+}
+
 /// The work of `say!`.
 pub(super) fn say_line(line: std::fmt::Arguments) {
     use std::io::Write;
+    let line = printable(line);
     if give(&|called| called.said += &format!("{line}\n")) {
         return;
     }
@@ -147,8 +162,9 @@ pub(super) fn say_line(line: std::fmt::Arguments) {
 
 /// The work of `tell!`.
 pub(super) fn tell_line(line: std::fmt::Arguments) {
-    if !give(&|called| called.told.push(line.to_string())) {
-        eprintln!("{}", for_reader(line.to_string(), std::io::stderr()));
+    let line = printable(line);
+    if !give(&|called| called.told.push(line.clone())) {
+        eprintln!("{}", for_reader(line, std::io::stderr()));
     }
 }
 

@@ -268,6 +268,94 @@ fn a_plan_keeps_to_the_axis_that_is_named() {
     preslide(&["plan", "--axis", "none.toml", "-o", &motion]).fails(2, &["none.toml", "axis.toml"]);
 }
 
+/// 4 mm are no 4 mrad, whichever option they are given for.
+#[test]
+fn an_angle_is_no_length_and_a_number_no_clock() {
+    let folder = Folder::new();
+    let (model, out) = (folder.file("model.toml", MODEL), folder.path("out"));
+    let rotary = MODEL
+        .replace("linear", "rotary")
+        .replace("_N_per_m", "_Nm_per_rad");
+    let rotary = folder.file("rotary.toml", rotary.replace("_N ", "_Nm "));
+    let plan = [
+        "plan", "-o", &out, "--rotary", "--travel", "4mm", "--speed", "2mm/s",
+    ];
+    let plan = [
+        &plan[..],
+        &["--acceleration", "720deg/s2", "--smallest", "1um"],
+    ]
+    .concat();
+    let refused = |line: &[&str], parts: &[&str]| {
+        preslide(line).fails(2, parts);
+    };
+    refused(
+        &plan,
+        &[
+            "--travel 4mm is",
+            "--speed 2mm/s is",
+            "--smallest 1um is",
+            "deg",
+        ],
+    );
+    refused(
+        &["plan", "-o", &out, "--travel", "90deg"],
+        &["--travel 90deg is of an angle", "mm"],
+    );
+    let tune = ["tune", &model, "--count"];
+    refused(
+        &[&tune[..], &["2.5urad"]].concat(),
+        &[
+            "--count 2.5urad is of an angle",
+            "model.toml is of a linear axis",
+        ],
+    );
+    let noise = ["25nm", "--resonance", "150Hz", "--noise", "5urad"];
+    refused(
+        &[&tune[..], &noise].concat(),
+        &["--noise 5urad is of an angle"],
+    );
+    refused(
+        &[&tune[..], &["25nm", "--clock", "170"]].concat(),
+        &["--clock 170MHz"],
+    );
+    preslide(&[&tune[..], &["25nm", "--clock", "170MHz"]].concat()).succeeds();
+    refused(
+        &["tune", &rotary, "--count", "25nm"],
+        &["--count 25nm is of a length"],
+    );
+    refused(
+        &["export", &model, "--count", "2.5urad"],
+        &["--count 2.5urad is"],
+    );
+    refused(
+        &["capture", "nowhere", "-o", &out, "--count", "1urad"],
+        &["--count 1urad is"],
+    );
+    refused(
+        &[
+            "capture", "nowhere", "-o", &out, "--count", "1um", "--rotary",
+        ],
+        &["--count 1um is"],
+    );
+    // Before a line is opened.
+    let drive = |more: &[&str], part: &str| {
+        let line = [&["drive", "nowhere"], more].concat();
+        refused(&line, &[part, "without --rotary the axis is linear"]);
+    };
+    drive(&["move", "--by", "90deg"], "--by 90deg is");
+    drive(
+        &["move", "--to", "90deg", "--speed", "1deg/s"],
+        "--speed 1deg/s is",
+    );
+    drive(&["jog", "5deg/s"], "5deg/s is");
+    drive(&["home", "--back-off", "5deg"], "--back-off 5deg is");
+    drive(&["zero", "5deg"], "5deg is");
+    refused(
+        &["commission", "nowhere", "--rotary", "--travel", "4mm"],
+        &["--travel 4mm is"],
+    );
+}
+
 /// A minute and a half of a single block at 100 Hz: a table, a recommendation, JSON of the same; with an option that it cannot serve it is bad
 /// usage, and a recording that is too short says how long it must be.
 #[test]

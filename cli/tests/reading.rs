@@ -149,3 +149,29 @@ fn recordings_of_different_machines_are_not_joined() {
     preslide(&["identify", &one, &other]).fails(2, &["one.csv", "other.csv", "not of one machine"]);
     preslide(&["identify", &one, &one]).succeeds();
 }
+
+/// Names and cells are of strangers' files: what commands a terminal, or turns the order of letters, is spelt out.
+#[test]
+fn no_byte_of_a_file_commands_the_terminal() {
+    let folder = Folder::new();
+    let bad = "\u{1b}[2J\u{9b}\u{202e}7";
+    let cell = recording(HEADER).replacen('\n', &format!("\n{bad}"), 1);
+    let cell = folder.file("cell.csv", cell);
+    let name = folder.file("name.csv", recording(&format!("t_s,x{bad},force_N")));
+    let model = folder.file("model.toml", format!("schema = \"{bad}\"\n"));
+    for line in [
+        ["identify", &cell],
+        ["identify", &name],
+        ["identify", &format!("no{bad}.csv")],
+        ["export", &model],
+    ] {
+        let run = preslide(&line);
+        let shown = run.err.clone() + &run.out;
+        let is_plain = |c: char| c == '\n' || !c.is_control() && c != '\u{202e}';
+        assert!(shown.chars().all(is_plain), "{line:?}: {shown:?}");
+        assert!(shown.contains("[2J"), "{line:?}: {shown}");
+    }
+    // The command that it offers has the name as it is found.
+    let map = "x_m=x\u{fffd}[2J\u{fffd}\u{202e}7";
+    preslide(&["identify", &name, "--map", map]).succeeds();
+}

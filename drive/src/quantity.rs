@@ -1,26 +1,74 @@
-//! Lengths and speeds as people type them.
+//! Lengths, angles and speeds as people type them.
+
+/// A number as it was typed, in SI. What it is of shows by its unit; whether the axis has such, by its kind, which is known later.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quantity {
+    /// In m or rad, per s or s² where it is a speed or an acceleration.
+    pub value: f64,
+    /// It is of an angle; `None` where it has no unit.
+    turns: Option<bool>,
+    typed: String,
+}
+
+impl From<f64> for Quantity {
+    fn from(value: f64) -> Self {
+        Self {
+            value,
+            turns: None,
+            typed: value.to_string(),
+        }
+    }
+}
+
+/// Sees to it that what is given for an axis, which turns or not as `axis` says in words, is in units of its kind: 4 mm are no 4 mrad.
+///
+/// # Errors
+/// Every option that is not.
+pub fn check(turns: bool, axis: &str, given: &[(&str, Option<&Quantity>)]) -> Result<(), String> {
+    let (other, wanted) = match turns {
+        true => ("a length", "an angle: deg, mrad, rad"),
+        false => ("an angle", "a length: nm, um, mm, m"),
+    };
+    let is_other = |q: &&Quantity| q.turns == Some(!turns);
+    let wrong = given.iter().filter_map(|(option, q)| {
+        let typed = &q.filter(is_other)?.typed;
+        Some(format!(
+            "{option} {typed} is of {other}, and {axis}; give it as of {wanted}"
+        ))
+    });
+    let wrong: Vec<String> = wrong.collect();
+    match wrong.is_empty() {
+        true => Ok(()),
+        false => Err(wrong.join("\n")),
+    }
+}
 
 /// A length in m: `1.5mm`, `20um`, `-300nm`, `0.001`; of a rotary axis in rad: `90deg`, `1mrad`.
 ///
 /// # Errors
 /// What would be understood.
-pub fn length(text: &str) -> Result<f64, String> {
+pub fn length(text: &str) -> Result<Quantity, String> {
     let units = [
-        ("mrad", 1e-3),
-        ("urad", 1e-6),
-        ("rad", 1.0),
-        ("deg", std::f64::consts::PI / 180.0),
-        ("mm", 1e-3),
-        ("um", 1e-6),
-        ("µm", 1e-6),
-        ("nm", 1e-9),
-        ("m", 1.0),
-        ("", 1.0),
+        ("mrad", 1e-3, Some(true)),
+        ("urad", 1e-6, Some(true)),
+        ("µrad", 1e-6, Some(true)),
+        ("rad", 1.0, Some(true)),
+        ("deg", std::f64::consts::PI / 180.0, Some(true)),
+        ("mm", 1e-3, Some(false)),
+        ("um", 1e-6, Some(false)),
+        ("µm", 1e-6, Some(false)),
+        ("nm", 1e-9, Some(false)),
+        ("m", 1.0, Some(false)),
+        ("", 1.0, None),
     ];
     let text = text.trim();
-    let read = |(unit, scale): (&str, f64)| {
+    let read = |(unit, scale, turns): (&str, f64, Option<bool>)| {
         let number: f64 = text.strip_suffix(unit)?.trim().parse().ok()?;
-        number.is_finite().then_some(number * scale)
+        number.is_finite().then(|| Quantity {
+            value: number * scale,
+            turns,
+            typed: text.to_owned(),
+        })
     };
     let found = units.into_iter().find_map(read);
     found.ok_or_else(|| {
@@ -28,41 +76,51 @@ pub fn length(text: &str) -> Result<f64, String> {
     })
 }
 
-/// A speed or acceleration: a length per s or s², whose `/s` or `/s2` may be left out.
+/// A speed: a length per s, whose `/s` may be left out.
 ///
 /// # Errors
 /// What would be understood.
-pub fn rate(text: &str) -> Result<f64, String> {
+pub fn speed(text: &str) -> Result<Quantity, String> {
+    per(text, &["/s"])
+        .ok_or_else(|| format!("`{text}` is not a speed; give 5mm/s, 90deg/s or 0.005"))
+}
+
+/// An acceleration: a length per s², whose `/s2` may be left out.
+///
+/// # Errors
+/// What would be understood.
+pub fn acceleration(text: &str) -> Result<Quantity, String> {
+    per(text, &["/s2", "/s²", "/s^2"])
+        .ok_or_else(|| format!("`{text}` is not an acceleration; give 0.1m/s2, 720deg/s2 or 0.1"))
+}
+
+fn per(text: &str, ends: &[&str]) -> Option<Quantity> {
     let text = text.trim();
-    let bare = ["/s2", "/s²", "/s^2", "/s"]
-        .iter()
-        .find_map(|end| text.strip_suffix(end));
-    length(bare.unwrap_or(text)).map_err(|_| {
-        format!("`{text}` is not a speed or acceleration; give 5mm/s, 0.1m/s2 or 0.005")
+    let bare = ends.iter().find_map(|end| text.strip_suffix(end));
+    let length = length(bare.unwrap_or(text)).ok()?;
+    Some(Quantity {
+        typed: text.to_owned(),
+        ..length
     })
+}
+
+/// What such a reader reads, above zero.
+///
+/// # Errors
+/// What would be understood.
+pub fn positive(read: Result<Quantity, String>) -> Result<Quantity, String> {
+    match read? {
+        quantity if quantity.value > 0.0 => Ok(quantity),
+        _ => Err("give a number above zero".to_owned()),
+    }
 }
 
 /// As [`length`], above zero.
 ///
 /// # Errors
 /// What would be understood.
-pub fn positive_length(text: &str) -> Result<f64, String> {
-    length(text).and_then(positive)
-}
-
-/// As [`rate`], above zero.
-///
-/// # Errors
-/// What would be understood.
-pub fn positive_rate(text: &str) -> Result<f64, String> {
-    rate(text).and_then(positive)
-}
-
-fn positive(value: f64) -> Result<f64, String> {
-    match value > 0.0 {
-        true => Ok(value),
-        false => Err("give a number above zero".to_owned()),
-    }
+pub fn positive_length(text: &str) -> Result<Quantity, String> {
+    positive(length(text))
 }
 
 /// A length or speed as people read it, to a nanometre or nanoradian: `100.5 µm`.
@@ -83,24 +141,55 @@ mod tests {
 
     #[test]
     fn lengths_and_rates_are_read_with_their_units() {
+        let near = |read: Result<Quantity, String>, value: f64| {
+            let read = read.unwrap_or_else(|e| panic!("{e}"));
+            assert!((read.value - value).abs() < 1e-12, "{read:?}");
+        };
         for (text, value) in [
             ("1.5mm", 1.5e-3),
             ("-20um", -20e-6),
             ("300 nm", 300e-9),
             ("0.001", 1e-3),
             ("2m", 2.0),
+            ("90deg", std::f64::consts::FRAC_PI_2),
         ] {
-            assert!((length(text).expect(text) - value).abs() < 1e-15, "{text}");
+            near(length(text), value);
         }
-        assert!((length("90deg").expect("deg") - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
-        assert!((rate("5mm/s").expect("speed") - 5e-3).abs() < 1e-15);
-        assert!((rate("0.1m/s2").expect("acceleration") - 0.1).abs() < 1e-15);
+        near(speed("5mm/s"), 5e-3);
+        near(acceleration("0.1m/s2"), 0.1);
         for text in ["", "mm", "1.5 furlongs", "nan", "inf"] {
             assert!(length(text).is_err(), "{text}");
         }
-        assert!(positive_rate("-1mm/s").is_err());
+        assert!(speed("0.1m/s2").is_err() && acceleration("5mm/s").is_err());
+        assert!(positive(speed("-1mm/s")).is_err());
         for (value, text) in [(1.005e-4, "100.5 µm"), (-0.0125, "-12.5 mm"), (0.0, "0 µm")] {
             assert_eq!(shown(value, "m"), text);
         }
+    }
+
+    #[test]
+    fn what_is_of_the_other_kind_of_axis_is_refused_all_at_once() {
+        let read = [length("4mm"), speed("90deg/s"), length("0.1")].map(|q| q.expect("read"));
+        let [travel, speed, bare] = read.each_ref().map(Some);
+        let given = [
+            ("--travel", travel),
+            ("--speed", speed),
+            ("--back-off", bare),
+        ];
+        let refused = |turns| check(turns, "AXIS", &given).expect_err("of the other kind");
+        assert!(refused(true).starts_with("--travel 4mm is of a length, and AXIS; give"));
+        assert!(refused(false).starts_with("--speed 90deg/s is of an angle, and AXIS; give"));
+        assert_eq!(refused(true).lines().count(), 1);
+        let all = [("--travel", travel), ("--smallest", travel)];
+        let all = check(true, "", &all).expect_err("both");
+        assert_eq!(all.lines().count(), 2);
+        assert!(
+            check(
+                true,
+                "",
+                &[("--speed", speed), ("--x", bare), ("--y", None)]
+            )
+            .is_ok()
+        );
     }
 }

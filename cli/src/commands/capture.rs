@@ -1,7 +1,8 @@
 //! `preslide capture`.
 
-use super::{AxisArgs, Failure, outputs, parse_frequency, write_text};
+use super::{AxisArgs, Failure, of_kind, outputs, parse_frequency, write_text};
 use clap::Args;
+use preslide_drive::quantity::{self, Quantity};
 use preslide_fit::progress::Progress;
 use preslide_fit::recording::MotionKind;
 use preslide_fit::report::figures::quantity;
@@ -56,9 +57,9 @@ pub struct Capture {
     #[arg(long, value_name = "HZ", value_parser = parse_frequency)]
     rate: Option<f64>,
 
-    /// Length of an encoder count in m or rad [default: the axis's]
-    #[arg(long, value_name = "LENGTH", value_parser = parse_positive)]
-    count: Option<f64>,
+    /// Length of an encoder count, such as 25nm or 2.5urad [default: the axis's]
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_length)]
+    count: Option<Quantity>,
 
     /// Force of the motor at the stage per ampere in N/A or N·m/A [default: the axis's torque constant × transmission]
     #[arg(long, value_name = "N_PER_A", value_parser = parse_positive)]
@@ -145,12 +146,13 @@ impl From<CaptureError> for Failure {
 impl Capture {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
+        of_kind(self.rotary, &[("--count", self.count.as_ref())])?;
         let path = self.output.display();
         refuse_existing(&self.output, self.overwrite)?;
         let scale = Scale::of(&self.axis.read()?.axis(), self.every);
         let scale = Scale {
             sample_time_s: self.rate.map_or(scale.sample_time_s, |rate| 1.0 / rate),
-            count: self.count.unwrap_or(scale.count),
+            count: self.count.as_ref().map_or(scale.count, |count| count.value),
             motion: if self.rotary {
                 MotionKind::Rotary
             } else {

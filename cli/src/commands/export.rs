@@ -1,9 +1,9 @@
 //! `preslide export`.
 
 use super::tune::{SHARE, count_of, plan};
-use super::{Failure, ReadingArgs, outputs, parse_frequency, write_text};
+use super::{Failure, ReadingArgs, of_axis, outputs, parse_frequency, write_text};
 use clap::{Args, ValueEnum};
-use preslide_drive::quantity;
+use preslide_drive::quantity::{self, Quantity};
 use preslide_fit::kernel::{Arithmetic, Kernel};
 use preslide_fit::model::{Model, ModelError, read};
 use preslide_fit::recording::Needs;
@@ -53,7 +53,7 @@ pub struct Export {
 
     /// Length of an encoder count for --kernel auto and for C in whole numbers (m or rad); without it, encoder_count_m of the model's [mechanics]
     #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_length)]
-    count: Option<f64>,
+    count: Option<Quantity>,
 
     /// Write a MuJoCo joint instead: frictionloss, damping, armature; comments list what it cannot hold
     #[arg(long, conflicts_with_all = ["limit", "urdf", "usd"])]
@@ -111,6 +111,7 @@ impl Export {
         })?;
         let in_file = |reason: String| Failure::Input(format!("{file}: {reason}"));
         let whole = Model::parse(&text).map_err(in_file)?;
+        of_axis(&whole, &self.model, &[("--count", self.count.as_ref())])?;
         let model = reduced(&whole, &self.without).map_err(in_file)?;
 
         let formats = [
@@ -157,7 +158,7 @@ impl Export {
         let kernel = self.kernel(&model, &mut remarks)?;
         let in_counts = |kernel: Kernel| kernel.arithmetic() == Arithmetic::I16F16;
         let needs_count = self.lang == Lang::C && kernel.is_some_and(in_counts);
-        let count = needs_count.then(|| count_of(self.count, &model, &self.model));
+        let count = needs_count.then(|| count_of(self.count.as_ref(), &model, &self.model));
         let options = Options {
             remarks,
             limit: self.limit,
@@ -195,7 +196,7 @@ impl Export {
         let kernel = match self.kernel.as_deref() {
             None => return Ok(None),
             Some("auto") => {
-                let count = count_of(self.count, model, &self.model)?;
+                let count = count_of(self.count.as_ref(), model, &self.model)?;
                 let (costs, budget) = plan(&self.cpu, None, self.rate.unwrap_or(20e3), SHARE)
                     .map_err(Failure::Input)?;
                 let tuning = of_model(model, count, &costs, budget).map_err(Failure::Input)?;

@@ -19,9 +19,12 @@ use crate::heard::arguments;
 use clap::Args;
 pub use outputs::write_text;
 use preslide_axis::AxisFile;
+use preslide_drive::quantity::{self, Quantity};
 use preslide_fit::identify::Options;
-use preslide_fit::model::ModelError;
-use preslide_fit::recording::{self, LoadOptions, Needs, Recording, RecordingError, Speeds};
+use preslide_fit::model::{Model, ModelError};
+use preslide_fit::recording::{
+    self, LoadOptions, MotionKind, Needs, Recording, RecordingError, Speeds,
+};
 use preslide_fit::report::Page;
 use preslide_fit::signal::{Window, check_windows, parse_window};
 use preslide_host::diagnose::Refusal;
@@ -377,6 +380,31 @@ impl OutputArgs {
     pub fn write_json(&self, json: &serde_json::Value) -> Result<(), Failure> {
         let path = self.json.as_deref();
         path.map_or(Ok(()), |path| outputs::write_json(path, json))
+    }
+}
+
+/// Options of a command with --rotary, whose units are to be of such an axis.
+fn of_kind(rotary: bool, given: &[(&str, Option<&Quantity>)]) -> Result<(), Failure> {
+    let axis = match rotary {
+        true => "with --rotary the axis turns",
+        false => "without --rotary the axis is linear",
+    };
+    quantity::check(rotary, axis, given).map_err(Failure::Input)
+}
+
+/// Options of a command on a model, whose units are to be of its axis.
+fn of_axis(model: &Model, file: &Path, given: &[(&str, Option<&Quantity>)]) -> Result<(), Failure> {
+    let axis = format!("{} is of a {} axis", file.display(), model.motion.name());
+    quantity::check(model.motion == MotionKind::Rotary, &axis, given).map_err(Failure::Input)
+}
+
+/// `170MHz`; a clock without a unit was meant in MHz as often as in Hz.
+pub fn parse_clock(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(_) => Err(format!(
+            "`{text}` has no unit; give --clock {text}MHz, or --clock {text}Hz"
+        )),
+        Err(_) => parse_frequency(text),
     }
 }
 

@@ -1,8 +1,10 @@
 //! `preslide plan`.
 
-use super::{AxisArgs, Failure, OutputArgs, command_line, outputs, parse_frequency, write_text};
+use super::{
+    AxisArgs, Failure, OutputArgs, command_line, of_kind, outputs, parse_frequency, write_text,
+};
 use clap::{Args, ValueEnum};
-use preslide_drive::quantity;
+use preslide_drive::quantity::{self, Quantity};
 use preslide_fit::recording::MotionKind;
 use preslide_host::plan::{Show, Wish, plan};
 use std::path::PathBuf;
@@ -43,23 +45,23 @@ pub struct Plan {
 }
 
 /// How far, how fast and how often.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct WishArgs {
     /// Whole travel: 4mm, or 90deg with --rotary [default: four fifths of the axis's travel]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
-    travel: Option<f64>,
+    travel: Option<Quantity>,
 
     /// Largest speed: 2mm/s [default: half of limits.speed]
-    #[arg(long, value_name = "SPEED", value_parser = rate)]
-    speed: Option<f64>,
+    #[arg(long, value_name = "SPEED", value_parser = speed)]
+    speed: Option<Quantity>,
 
     /// Largest acceleration: 0.1m/s2 [default: half of limits.acceleration]
-    #[arg(long, value_name = "ACCELERATION", value_parser = rate)]
-    acceleration: Option<f64>,
+    #[arg(long, value_name = "ACCELERATION", value_parser = acceleration)]
+    acceleration: Option<Quantity>,
 
     /// Smallest stroke between two reversals; some dozens of encoder counts [default: a thousandth of the travel]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
-    smallest: Option<f64>,
+    smallest: Option<Quantity>,
 
     /// Repeats, which identify holds out in turn
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
@@ -76,15 +78,30 @@ fn stated(text: &str) -> Result<&str, String> {
     }
 }
 
-fn length(text: &str) -> Result<f64, String> {
+fn length(text: &str) -> Result<Quantity, String> {
     stated(text).and_then(quantity::positive_length)
 }
 
-fn rate(text: &str) -> Result<f64, String> {
-    stated(text).and_then(quantity::positive_rate)
+fn speed(text: &str) -> Result<Quantity, String> {
+    quantity::positive(stated(text).and_then(quantity::speed))
+}
+
+fn acceleration(text: &str) -> Result<Quantity, String> {
+    quantity::positive(stated(text).and_then(quantity::acceleration))
 }
 
 impl WishArgs {
+    /// Sees to it that its units are of an axis that turns or does not.
+    pub fn check(&self, rotary: bool) -> Result<(), Failure> {
+        let given = [
+            ("--travel", self.travel.as_ref()),
+            ("--speed", self.speed.as_ref()),
+            ("--acceleration", self.acceleration.as_ref()),
+            ("--smallest", self.smallest.as_ref()),
+        ];
+        of_kind(rotary, &given)
+    }
+
     /// On an axis of such a length (m or rad), where it has ends, with such a top speed and acceleration. Where those are the axis's own, what
     /// its controller would refuse is refused, all of it at once.
     pub fn wish(
@@ -93,12 +110,15 @@ impl WishArgs {
         [speed, acceleration]: [f64; 2],
         are_its_own: bool,
     ) -> Result<Wish, Failure> {
+        let value = |given: &Option<Quantity>| given.as_ref().map(|given| given.value);
+        let (given, top) = (value(&self.travel), value(&self.speed));
+        let ramp = value(&self.acceleration);
         let asked = [
-            ("travel", self.travel, length, "the axis's travel"),
-            ("speed", self.speed, Some(speed), "limits.speed"),
+            ("travel", given, length, "the axis's travel"),
+            ("speed", top, Some(speed), "limits.speed"),
             (
                 "acceleration",
-                self.acceleration,
+                ramp,
                 Some(acceleration),
                 "limits.acceleration",
             ),
@@ -109,7 +129,7 @@ impl WishArgs {
                 .then(|| format!("--{name} {asked:e} exceeds {of}, {limit:e}"))
         });
         let mut wrong: Vec<String> = beyond.collect();
-        let travel = self.travel.or(length.map(|length| 0.8 * length));
+        let travel = given.or(length.map(|length| 0.8 * length));
         if travel.is_none() {
             wrong.push("the ends of the axis's travel are not known; give --travel".to_owned());
         }
@@ -118,9 +138,9 @@ impl WishArgs {
         };
         Ok(Wish {
             travel,
-            speed: self.speed.unwrap_or(0.5 * speed),
-            acceleration: self.acceleration.unwrap_or(0.5 * acceleration),
-            smallest: self.smallest.unwrap_or(1e-3 * travel),
+            speed: top.unwrap_or(0.5 * speed),
+            acceleration: ramp.unwrap_or(0.5 * acceleration),
+            smallest: value(&self.smallest).unwrap_or(1e-3 * travel),
             show: Show::All,
             repeats: self.repeats,
             rate: RATE_HZ,
@@ -146,9 +166,9 @@ impl Plan {
     /// The project's own axis is linear: its limits say nothing of one that turns.
     fn check_rotary(&self) -> Result<(), Failure> {
         let needed = [
-            ("--travel 90deg", self.wish.travel),
-            ("--speed 90deg/s", self.wish.speed),
-            ("--acceleration 720deg/s2", self.wish.acceleration),
+            ("--travel 90deg", &self.wish.travel),
+            ("--speed 90deg/s", &self.wish.speed),
+            ("--acceleration 720deg/s2", &self.wish.acceleration),
         ];
         let missing = needed.iter().filter(|(_, given)| given.is_none());
         let missing: Vec<&str> = missing.map(|(example, _)| *example).collect();
@@ -164,6 +184,7 @@ impl Plan {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
         self.check_rotary()?;
+        self.wish.check(self.rotary)?;
         let limits = self.axis.read()?.axis().limits;
         let length = limits.travel.map(|(low, high)| high - low);
         let top = [limits.speed, limits.acceleration];

@@ -1,11 +1,11 @@
 //! `preslide tune`.
 
 use super::{
-    AxisArgs, Failure, OutputArgs, ReadingArgs, SplitArgs, command_line, in_words, outputs,
-    parse_frequency, thin,
+    AxisArgs, Failure, OutputArgs, ReadingArgs, SplitArgs, command_line, in_words, of_axis,
+    outputs, parse_clock, parse_frequency, thin,
 };
 use clap::Args;
-use preslide_drive::quantity;
+use preslide_drive::quantity::{self, Quantity};
 use preslide_fit::identify::{MANY, identify};
 use preslide_fit::model::Model;
 use preslide_fit::progress::Progress;
@@ -50,11 +50,11 @@ pub struct Tune {
     cpu: String,
 
     /// Core clock [default: the core's rated one; 170 MHz for your own table]
-    #[arg(long, value_parser = parse_frequency)]
+    #[arg(long, value_name = "FREQUENCY", value_parser = parse_clock)]
     clock: Option<f64>,
 
     /// Control rate
-    #[arg(long, default_value = "20kHz", value_parser = parse_frequency)]
+    #[arg(long, value_name = "HZ", default_value = "20kHz", value_parser = parse_frequency)]
     rate: f64,
 
     /// Share of the processor that friction may take
@@ -63,7 +63,7 @@ pub struct Tune {
 
     /// Length of an encoder count, such as 25nm, 2.5urad or 25e-9 (m or rad); without it, encoder_count_m of the model's [mechanics]
     #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_length)]
-    count: Option<f64>,
+    count: Option<Quantity>,
 
     /// First mode of the drive (rotor against load): propose an observer's gains too; needs a Maxwell-slip model
     #[arg(long, value_name = "FREQUENCY", value_parser = parse_frequency)]
@@ -75,7 +75,7 @@ pub struct Tune {
 
     /// Noise of the encoder beside its resolution, RMS, such as 5nm
     #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_length, requires = "resonance")]
-    noise: Option<f64>,
+    noise: Option<Quantity>,
 
     #[command(flatten)]
     axis: AxisArgs,
@@ -94,8 +94,12 @@ pub(super) const SHARE: f64 = 0.05;
 const LONGEST: f64 = 0.1;
 
 /// Length of an encoder count (m or rad): as given, or else from the model in `file`.
-pub(super) fn count_of(known: Option<f64>, model: &Model, file: &Path) -> Result<f64, Failure> {
-    let count = known.or(model.count()).ok_or_else(|| {
+pub(super) fn count_of(
+    known: Option<&Quantity>,
+    model: &Model,
+    file: &Path,
+) -> Result<f64, Failure> {
+    let count = known.map(|known| known.value).or(model.count()).ok_or_else(|| {
         Failure::Input(format!(
             "{}: how long is an encoder count? Give --count, such as 25nm, or encoder_count_m under [mechanics] of the model",
             file.display()
@@ -144,8 +148,16 @@ impl Tune {
         inputs.extend(self.axis.file());
         outputs::check(&inputs, &[], Some(&self.outputs))?;
         let model = Model::load(&self.model)?;
+        of_axis(
+            &model,
+            &self.model,
+            &[
+                ("--count", self.count.as_ref()),
+                ("--noise", self.noise.as_ref()),
+            ],
+        )?;
         let plans = self.plans().map_err(Failure::Input)?;
-        let count = count_of(self.count, &model, &self.model)?;
+        let count = count_of(self.count.as_ref(), &model, &self.model)?;
         let observer = self.observer(&model, count)?;
         let observer = observer.as_ref();
         let mut tunings = Vec::new();
@@ -183,7 +195,7 @@ impl Tune {
         let mut axis = file.axis();
         axis.encoder.count = count;
         let known = Known {
-            noise: self.noise.unwrap_or(0.0),
+            noise: self.noise.as_ref().map_or(0.0, |noise| noise.value),
             mode_damping: self.damping,
             ..Known::of_model(model, mode_hz).map_err(Failure::Input)?
         };

@@ -223,6 +223,14 @@ impl Screen {
         Ok(())
     }
 
+    /// A length or an angle, as the axis has it.
+    fn length(&self, typed: &str) -> Result<f64, String> {
+        let length = quantity::length(typed)?;
+        let axis = format!("the axis moves in {}", self.unit);
+        quantity::check(self.unit == "rad", &axis, &[("", Some(&length))])?;
+        Ok(length.value)
+    }
+
     fn answered(&mut self, question: Question, typed: &str) -> Result<(), DriveError> {
         let (speed, ramp) = self.pace();
         let request = match question {
@@ -236,7 +244,7 @@ impl Screen {
                     format!("`{typed}`: give a name and a number, gains.derivative=600")
                 })
             }
-            _ => quantity::length(typed).map(|length| match question {
+            _ => self.length(typed).map(|length| match question {
                 Question::By => Request::Move {
                     distance_m: length as f32,
                     speed_m_s: speed,

@@ -24,7 +24,7 @@ enum Half {
 }
 
 impl Clock {
-    /// Seconds of `2025-11-09T09:27:03.748Z`, `2025-11-09 09:27:03+01:00`, `09:27:03.748` or `9:27:03.748 AM`; a time of day that falls by more than
+    /// Seconds of `2025-11-09T09:27:03.748Z`, `20251109T092703.748Z`, `2025-11-09 09:27:03+01:00`, `09:27:03.748` or `9:27:03.748 AM`; a time of day that falls by more than
     /// half a day has passed midnight.
     pub(super) fn seconds(&mut self, text: &str) -> Option<f64> {
         let (text, half) = half_of_day(text);
@@ -92,6 +92,11 @@ fn half_of_day(text: &str) -> (&str, Option<Half>) {
 /// Days from a fixed one to a Gregorian `year-month-day`, `year/month/day`, `day.month.year`, or `month/day/year` where that is a date, and else
 /// `day/month/year`.
 fn day(date: &str) -> Option<i32> {
+    if date.len() == 8 && date.bytes().all(|b| b.is_ascii_digit()) {
+        let part = |at: std::ops::Range<usize>| date[at].parse().ok();
+        let date = NaiveDate::from_ymd_opt(date[0..4].parse().ok()?, part(4..6)?, part(6..8)?);
+        return date.map(|date| date.num_days_from_ce());
+    }
     let mut parts = date
         .splitn(3, ['-', '/', '.'])
         .map(|p| p.parse::<i32>().ok());
@@ -132,7 +137,11 @@ fn zone(time: &str) -> Option<(&str, f64)> {
 
 /// Seconds of `09:27:03.748` or `9:27:03,748`, of the whole day or of a half of it.
 fn of_day(time: &str, half: Option<Half>) -> Option<f64> {
-    let mut parts = time.split(':');
+    // `092703.748`
+    let digits = time.bytes().take_while(u8::is_ascii_digit).count();
+    let compact = (digits == 6 && !time.contains(':'))
+        .then(|| [&time[..2], &time[2..4], &time[4..]].join(":"));
+    let mut parts = compact.as_deref().unwrap_or(time).split(':');
     let (hour, minute, second) = (parts.next()?, parts.next()?, parts.next()?);
     let whole = |text: &str, below: u32| text.trim().parse::<u32>().ok().filter(|n| *n < below);
     let seconds: f64 = second.replace(',', ".").parse().ok()?;
@@ -160,6 +169,8 @@ mod tests {
             ["23:59:59.5", "0:00:00.25"],
             ["2024/02/28 23:59:59.5", "2024/02/29 00:00:00.25"],
             ["28.02.2024 23:59:59,5", "29.02.2024 00:00:00,25"],
+            ["20240228T235959.5", "20240229T000000.25"],
+            ["20240228T225959,5Z", "20240229T000000.25+0100"],
             ["11:59:59.5 PM", "12:00:00.25 AM"],
             ["11:59:59.5am", "12:00:00.25 p.m."],
             ["12:59:59.5 PM", "1:00:00.25 PM"],
@@ -181,6 +192,9 @@ mod tests {
             "2025-13-01T00:00:00",
             "2025-02-29T00:00:00",
             "1:2:3:4",
+            "20250229T000000",
+            "20250228T240000",
+            "20250228",
         ] {
             assert_eq!(Clock::default().seconds(text), None, "{text}");
         }

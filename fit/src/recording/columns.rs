@@ -6,7 +6,7 @@ use super::known::{KNOWN, Known, Slot};
 use super::names::{Names, Source};
 use super::propose::{propose, quoted, without_unit};
 use super::units::{SECOND, Unit};
-use super::words::{quantity, split, stamp_in_parts};
+use super::words::{is_day, quantity, split, stamp_in_parts};
 use super::{EffortRole, MotionKind, Needs, Warning};
 use std::cmp::Ordering;
 
@@ -106,13 +106,22 @@ pub(super) fn plan(names: &Names) -> Result<Plan, Problem> {
     }
     other_axis(kind, &mut sources, &mut open, &mut warnings);
     open.sort_unstable();
-    open.retain(|&i| !names.columns[i].is_empty());
+    let (named, nameless): (Vec<usize>, Vec<usize>) =
+        open.iter().partition(|i| !names.columns[**i].is_empty());
+    if let Some(first) = nameless.first() {
+        warnings.push(warning!(
+            "nameless-column",
+            "{} of the columns, the first of them number {}, have no name in the header and are left out; name what is to be used",
+            nameless.len(),
+            first + 1
+        ));
+    }
     Ok(Plan {
         kind,
         role,
         names: names.columns.to_vec(),
         sources,
-        unused: open,
+        unused: named,
         warnings,
     })
 }
@@ -175,10 +184,13 @@ fn by_unit(
     warnings: &mut Vec<Warning>,
 ) {
     let mut taken: Vec<(usize, &'static Known, Unit)> = Vec::new();
+    let is_time = |i: &usize| quantity(&names.columns[*i]).slot == Some(Slot::Time);
+    let has_time = open.iter().any(is_time);
     for &i in open.iter() {
         let name = &names.columns[i];
         let said = quantity(name);
-        let Some(slot) = said.slot else {
+        let day = (is_day(name) && !has_time).then_some(Slot::Time);
+        let Some(slot) = said.slot.or(day) else {
             continue;
         };
         // Time without a unit is in seconds, which the warning says.
@@ -236,11 +248,10 @@ fn by_unit(
         ));
     }
     open.retain(|i| !taken.iter().any(|t| t.0 == *i));
-    sources.extend(
-        taken
-            .into_iter()
-            .map(|(i, known, unit)| Source::new(known, i, Some(unit))),
-    );
+    sources.extend(taken.into_iter().map(|(i, known, unit)| Source {
+        stated: names.unit(i).is_some(),
+        ..Source::new(known, i, Some(unit))
+    }));
 }
 
 /// The kind of axis and the effort's role; what is missing or does not fit goes to the complaints.

@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader, Read};
 
 use super::error::Problem;
-use super::words::quantity;
+use super::words::{holds_word, quantity, split};
 use super::{stated, units};
 
 /// No sensible row is longer; a file without line ends would otherwise be held as one row.
@@ -220,13 +220,18 @@ fn likeness(lines: &[Line], separator: u8) -> (f64, usize) {
 /// # Errors
 /// No text.
 pub(super) fn of(head: &[Line]) -> Result<Layout, Problem> {
-    let layout = place(head)?;
+    let mut layout = place(head)?;
     let (above, samples) = head.split_at(head.partition_point(|l| l.number < layout.first_line));
     let has_point = |cell: &str| cell.contains('.') && cell.parse::<f64>().is_ok();
-    let rows = samples
-        .iter()
-        .map(|l| cells(&l.text, layout.separator, true));
-    let commas = match layout.separator {
+    let separator = layout.separator;
+    let rows = samples.iter().map(|l| cells(&l.text, separator, true));
+    // A separator at the end of the header is no column where nothing stands below it.
+    let columns = layout.names.len();
+    let is_below = |row: Vec<&str>| row.len() >= columns && !row[columns - 1].is_empty();
+    if layout.names.last().is_some_and(String::is_empty) && !rows.clone().any(is_below) {
+        layout.names.pop();
+    }
+    let commas = match separator {
         b',' if rows.flatten().any(has_point) => Commas::Thousands,
         b',' => Commas::Unsure,
         _ => Commas::Decimals,
@@ -284,9 +289,9 @@ fn place(all: &[Line]) -> Result<Layout, Problem> {
     if let Some((number, header)) = above().find_map(named) {
         let upper = above().skip_while(|l| l.number >= number).find_map(named);
         return Ok(match upper {
-            Some((_, names)) if are_units(&header) => Layout {
-                units: header,
-                ..layout(names, data.number)
+            Some((_, names)) if are_units(&header) || are_above(&names, &header) => Layout {
+                units: header.clone(),
+                ..layout(with_unknown(names, &header), data.number)
             },
             _ => layout(header, data.number),
         });
@@ -324,8 +329,10 @@ fn place(all: &[Line]) -> Result<Layout, Problem> {
     }
 }
 
+/// Names as they are shown and given back: what would command a terminal is no part of one.
 fn owned(cells: &[&str]) -> Vec<String> {
-    cells.iter().map(|c| c.trim().to_owned()).collect()
+    let name = |c: &&str| c.trim().replace(char::is_control, "\u{fffd}");
+    cells.iter().map(name).collect()
 }
 
 fn are_words(cells: &[&str]) -> bool {
@@ -335,6 +342,42 @@ fn are_words(cells: &[&str]) -> bool {
 fn are_units(cells: &[impl AsRef<str>]) -> bool {
     let mut cells = cells.iter().map(AsRef::as_ref);
     cells.all(|c| c.is_empty() || units::is_unit(c))
+}
+
+/// A row of which some cells are units, and the others short words of no quantity: a drive's own units.
+fn may_be_units(cells: &[impl AsRef<str>]) -> bool {
+    const LONGEST: usize = 10;
+    let mut cells = cells.iter().map(AsRef::as_ref).filter(|c| !c.is_empty());
+    let own = |c: &str| {
+        let said = quantity(c);
+        c.chars().count() <= LONGEST && (said.slot.is_none() || said.is_count)
+    };
+    cells.clone().any(units::is_unit) && cells.all(|c| units::is_unit(c) || own(c))
+}
+
+/// Whether a row names columns, of which one is a quantity's, and the row below has their units.
+fn are_above(names: &[String], below: &[String]) -> bool {
+    use super::known::Slot::{Effort, Position, Time, Velocity};
+    let slots = [Time, Position, Velocity, Effort];
+    let says = |name: &String| slots.iter().any(|slot| holds_word(name, *slot));
+    may_be_units(below) && !may_be_units(names) && names.iter().any(says)
+}
+
+/// Names with those of the units below them that no number turns into SI: the question is about both.
+fn with_unknown(names: Vec<String>, units: &[String]) -> Vec<String> {
+    let units = units
+        .iter()
+        .map(String::as_str)
+        .chain(std::iter::repeat(""));
+    let both = names.into_iter().zip(units).map(|(name, unit)| {
+        let bare = unit.trim_matches(|c| "[]()".contains(c));
+        let is_none = ["", "-", "1"].contains(&bare);
+        match is_none || units::unit(unit).is_some() || split(&name).1.is_some() {
+            true => name,
+            false => format!("{name} [{bare}]"),
+        }
+    });
+    both.collect()
 }
 
 /// The names of `width` columns, where the line may hold them: between the separator of the samples, or another one that is no blank.
@@ -351,7 +394,7 @@ fn names(text: &str, separator: u8, width: usize) -> Option<Vec<String>> {
     let found = cells(text, separator, true);
     let named = found.iter().filter(|c| !c.is_empty()).count();
     // Columns without a unit leave their cells of the row of units blank.
-    let wide = if are_units(&found) {
+    let wide = if are_units(&found) || may_be_units(&found) {
         found.len()
     } else {
         named
@@ -398,7 +441,7 @@ mod tests {
             (
                 b"Scope;1.2\nRate;1000\n\nTime;Pos;Torque\nms;mm;%\n0;1;2\n1;2;3\n2;3;4\n",
                 b';',
-                "Time Pos Torque",
+                "Time Pos Torque [%]",
                 "ms mm %",
                 6,
             ),
@@ -421,10 +464,34 @@ mod tests {
             (
                 b"\"V1\",\"V2\",\n0.1,0.2,\n0.3,0.4,\n",
                 b',',
-                "V1 V2 ",
+                "V1 V2",
                 "",
                 2,
             ),
+            (b"V1,V2,\n0.1,0.2\n0.3,0.4\n", b',', "V1 V2", "", 2),
+            (b"V1,V2,\n0.1,0.2,7\n0.3,0.4,8\n", b',', "V1 V2 ", "", 2),
+            (
+                b"Time;Position;Speed;Torque\ns;LU;LU/min;%\n0;1;2;3\n1;2;3;4\n",
+                b';',
+                "Time Position [LU] Speed [LU/min] Torque [%]",
+                "s LU LU/min %",
+                3,
+            ),
+            (
+                b"Time;Pos;Iq\nticks;mm;A\n0;1;2\n",
+                b';',
+                "Time [ticks] Pos Iq",
+                "ticks mm A",
+                3,
+            ),
+            (
+                b"My recorder;of today\nms;x\n0;1\n1;2\n",
+                b';',
+                "ms x",
+                "",
+                3,
+            ),
+            (b"t_s,x\x1b[2J\n0,1\n1,2\n", b',', "t_s x\u{fffd}[2J", "", 2),
             (b"# t x f\n0 1 2\n1 2 3\n", b' ', "t x f", "", 2),
             (
                 b"t_s,Temperatur_\xb0C\n0,1\n",

@@ -38,6 +38,7 @@ mod lost;
 mod mat;
 mod names;
 mod places;
+mod plausible;
 mod propose;
 mod rate;
 mod read;

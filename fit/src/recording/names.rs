@@ -17,6 +17,8 @@ pub(super) struct Source {
     pub(super) offset: f64,
     /// Chosen by `--map`; then text labels are accepted for segments and repeats.
     pub(super) mapped: bool,
+    /// Its unit is said: by the file, or in the map by a factor that is one.
+    pub(super) stated: bool,
 }
 
 impl Source {
@@ -30,6 +32,7 @@ impl Source {
             }],
             offset: unit.map_or(0.0, |u| u.offset),
             mapped: false,
+            stated: true,
         }
     }
 
@@ -145,11 +148,13 @@ impl Names<'_> {
             terms: Vec::new(),
             offset: 0.0,
             mapped: true,
+            stated: true,
         };
         for (sign, factors) in products {
             if let [Factor::Column(column, None)] = factors.as_slice() {
                 let (unit, said) = self.in_its_unit(known, *column);
                 warnings.extend(said);
+                source.stated &= unit.is_some();
                 source.offset += sign * unit.map_or(0.0, |u| u.offset);
                 source.terms.push(Term {
                     factor: sign * unit.map_or(1.0, |u| u.factor),
@@ -158,6 +163,7 @@ impl Names<'_> {
                 continue;
             }
             let (mut term, offset) = product(known, sign, &factors).map_err(fail)?;
+            source.stated &= units::is_factor(known.dimension, term.factor);
             for factor in &factors {
                 let Factor::Column(column, None) = *factor else {
                     continue;
@@ -194,9 +200,11 @@ impl Names<'_> {
     fn in_its_unit(&self, known: &Known, column: usize) -> (Option<Unit>, Option<Warning>) {
         let (target, name) = (known.name, &self.columns[column]);
         let given = self.units.get(column).map(String::as_str);
+        // In square brackets stands a unit, be it an unknown one; in round ones anything.
+        let is_unit = |u: &&str| units::is_unit(u) || name.ends_with(']');
         let given = given
             .filter(|u| units::is_unit(u))
-            .or_else(|| split(name).1.filter(|u| units::is_unit(u)));
+            .or_else(|| split(name).1.filter(is_unit));
         let (Some(wanted), Some(given)) = (known.dimension, given) else {
             return (None, None);
         };

@@ -18,7 +18,7 @@ pub(super) fn read(
     let plan = columns::plan(&Names {
         columns: &layout.names,
         units: &layout.units,
-        listing: &layout.names.join(", "),
+        listing: &listed(&layout.names),
         map: &options.map,
         ignore: &options.ignore,
         needs: options.needs,
@@ -56,6 +56,21 @@ pub(super) fn read(
     }
     builder.table.plan.warnings.extend(clocks.1.said());
     builder.finish()
+}
+
+/// The columns that have a name; the others are counted.
+fn listed(names: &[String]) -> String {
+    let named: Vec<&str> = names
+        .iter()
+        .map(String::as_str)
+        .filter(|n| !n.is_empty())
+        .collect();
+    let without = match names.len() - named.len() {
+        0 => String::new(),
+        1 => " and a column without a name".to_owned(),
+        n => format!(" and {n} columns without names"),
+    };
+    named.join(", ") + &without
 }
 
 impl Layout {
@@ -129,7 +144,11 @@ fn changes(builder: &mut Builder, cells: &[&str], constant: &mut Option<Vec<(usi
 
 /// The seconds of a cell that holds a date or a time of day.
 fn stamp(clock: &mut Clock, cell: &str) -> Option<f64> {
-    cell.contains(':').then(|| clock.seconds(cell)).flatten()
+    // `20260102T030405.123` has no colon.
+    let is_compact = matches!(cell.as_bytes().get(8), Some(b'T' | b't'));
+    (is_compact || cell.contains(':'))
+        .then(|| clock.seconds(cell))
+        .flatten()
 }
 
 /// That a cell is the number of a part; words only where the column was `mapped`.

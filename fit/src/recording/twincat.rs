@@ -5,7 +5,7 @@ use super::error::Problem;
 use super::layout::{self, Line};
 use super::table::Table;
 use super::variables::{self, Variable};
-use super::{LoadOptions, Warning, rows, units};
+use super::{LoadOptions, Warning, rows};
 use crate::statistics;
 
 /// The row that marks such a file …
@@ -88,7 +88,7 @@ fn groups(lines: &[Line], separator: u8) -> Result<(Vec<Group>, usize), Problem>
             Some(group) if !name.is_empty() => {
                 // "V (Voltage)", or "(None)".
                 let unit = units.and_then(|row| row.get(column)?.split_whitespace().next());
-                let unit = unit.filter(|u| units::is_unit(u));
+                let unit = unit.filter(|u| *u != "(None)" && !u.is_empty());
                 let name = unit.map_or((*name).to_owned(), |u| format!("{name} [{u}]"));
                 group.names.push(name);
                 group.values.push(Vec::new());
@@ -310,7 +310,13 @@ mod tests {
         let blanks = export(" ", "each", milliseconds)
             .replace("Starttime of export", "\"Starttime of export\"");
         let short: String = whole.split_inclusive('\n').take(8).collect();
+        let own = whole.replacen("(None)", "LU (User)", 1);
         for (export, map, parts) in [
+            (
+                &own,
+                &[][..],
+                &["fActPos [LU] 1000", "FACTOR*fActPos [LU]"][..],
+            ),
             (&whole, &[][..], &["fActPos 1000", "fTorque [A]"][..]),
             (&cell, &MAP, &["line 11", "fActPos"]),
             (&commas, &MAP, &["tabs or semicolons"]),

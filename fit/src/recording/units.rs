@@ -122,6 +122,12 @@ pub(super) fn unit(text: &str) -> Option<Unit> {
     })
 }
 
+/// Whether a number is what a unit of that dimension is worth.
+pub(super) fn is_factor(dimension: Option<Dimension>, factor: f64) -> bool {
+    let mut same = UNITS.iter().filter(|u| Some(u.1) == dimension);
+    same.any(|u| (factor.abs() / u.2 - 1.0).abs() < 1e-6)
+}
+
 /// Whether the text is a unit of any kind, or the sign for none.
 pub(super) fn is_unit(text: &str) -> bool {
     unit(text).is_some() || is_unscaled(text)

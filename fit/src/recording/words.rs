@@ -5,9 +5,12 @@ use super::units::{self, Dimension, Unit};
 
 /// Words of quantities: as they stand alone or before a unit.
 #[rustfmt::skip]
-const WORDS: [(&str, Slot); 72] = [
+const WORDS: [(&str, Slot); 91] = [
     ("t", Slot::Time), ("time", Slot::Time), ("timestamp", Slot::Time), ("zeit", Slot::Time), ("stamp", Slot::Time), ("ts", Slot::Time),
     ("time_stamp", Slot::Time), ("zeitstempel", Slot::Time), ("elapsed", Slot::Time), ("uptime", Slot::Time),
+    ("datetime", Slot::Time), ("date_time", Slot::Time), ("uhrzeit", Slot::Time), ("heure", Slot::Time), ("temps", Slot::Time), ("horodatage", Slot::Time),
+    ("hora", Slot::Time), ("tiempo", Slot::Time), ("tempo", Slot::Time), ("ora", Slot::Time), ("tijd", Slot::Time), ("время", Slot::Time), ("日時", Slot::Time),
+    ("時刻", Slot::Time), ("時間", Slot::Time), ("时间", Slot::Time), ("时刻", Slot::Time), ("시간", Slot::Time), ("czas", Slot::Time),
     ("dt", Slot::Step), ("delta_t", Slot::Step), ("timestep", Slot::Step), ("time_step", Slot::Step), ("sample_time", Slot::Step), ("zeitschritt", Slot::Step),
     ("dtime", Slot::Step),
     ("x", Slot::Position), ("q", Slot::Position), ("pos", Slot::Position), ("position", Slot::Position), ("angle", Slot::Position),
@@ -29,6 +32,15 @@ const COUNTERS: [(&str, Slot); 8] = [
     ("tick", Slot::Time), ("ticks", Slot::Time), ("systick", Slot::Time), ("timer", Slot::Time), ("counter", Slot::Time), ("clock", Slot::Time),
     ("encoder", Slot::Position), ("enc", Slot::Position),
 ];
+
+/// Words of days: a time where nothing else is one, for beside a time of day they say what changes at midnight.
+#[rustfmt::skip]
+const DAYS: [&str; 9] = ["date", "datum", "fecha", "日付", "日期", "날짜", "дата", "dato", "päivä"];
+
+/// Whether a name says that a day stands below it, and maybe the time of day.
+pub(super) fn is_day(name: &str) -> bool {
+    DAYS.contains(&name.trim().to_lowercase().as_str())
+}
 
 /// What a name says.
 pub(super) struct Quantity {

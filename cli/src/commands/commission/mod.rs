@@ -93,6 +93,7 @@ struct Bounds {
 impl Commission {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
+        self.wish.check(self.controller.rotary)?;
         let mut axis = self.controller.begin()?;
         let bounds = self.bounds(&mut axis)?;
         let motions = Motions::of(&bounds)?;
@@ -346,7 +347,7 @@ impl Run {
             self.axis.home(&Home {
                 mark,
                 speed: None,
-                position: 0.0,
+                position: 0.0.into(),
                 back_off: None,
             })?;
         }
@@ -365,7 +366,7 @@ impl Run {
 
     fn go(&mut self, by: f64) -> Result<(), Failure> {
         self.axis.go(&Move {
-            by: Some(by),
+            by: Some(by.into()),
             to: None,
             speed: None,
             acceleration: None,

@@ -2,33 +2,33 @@
 
 use super::super::parse_frequency;
 use clap::{Args, ValueEnum};
-use preslide_drive::quantity;
+use preslide_drive::quantity::{self, Quantity};
 use std::path::PathBuf;
 
 #[derive(Args)]
 pub struct Move {
     /// By a distance
     #[arg(long, value_name = "LENGTH", value_parser = quantity::length, allow_hyphen_values = true, conflicts_with = "to", required_unless_present = "to")]
-    pub by: Option<f64>,
+    pub by: Option<Quantity>,
 
     /// To a position
     #[arg(long, value_name = "LENGTH", value_parser = quantity::length, allow_hyphen_values = true)]
-    pub to: Option<f64>,
+    pub to: Option<Quantity>,
 
     /// Speed [default: a fifth of limits.speed]
-    #[arg(long, value_name = "SPEED", value_parser = quantity::positive_rate)]
-    pub speed: Option<f64>,
+    #[arg(long, value_name = "SPEED", value_parser = |text: &str| quantity::positive(quantity::speed(text)))]
+    pub speed: Option<Quantity>,
 
     /// Acceleration [default: a fifth of limits.acceleration]
-    #[arg(long, value_name = "ACCELERATION", value_parser = quantity::positive_rate)]
-    pub acceleration: Option<f64>,
+    #[arg(long, value_name = "ACCELERATION", value_parser = |text: &str| quantity::positive(quantity::acceleration(text)))]
+    pub acceleration: Option<Quantity>,
 }
 
 #[derive(Args)]
 pub struct Jog {
     /// Speed, signed
-    #[arg(value_name = "SPEED", value_parser = quantity::rate, allow_hyphen_values = true)]
-    pub speed: f64,
+    #[arg(value_name = "SPEED", value_parser = quantity::speed, allow_hyphen_values = true)]
+    pub speed: Quantity,
 
     /// How long
     #[arg(long, value_name = "S", default_value_t = 1.0)]
@@ -42,16 +42,16 @@ pub struct Home {
     pub mark: MarkArg,
 
     /// Speed on the way, signed [default: a tenth of limits.speed, backward]
-    #[arg(long, value_name = "SPEED", value_parser = quantity::rate, allow_hyphen_values = true)]
-    pub speed: Option<f64>,
+    #[arg(long, value_name = "SPEED", value_parser = quantity::speed, allow_hyphen_values = true)]
+    pub speed: Option<Quantity>,
 
     /// Position of the mark
     #[arg(long, value_name = "LENGTH", default_value = "0", value_parser = quantity::length, allow_hyphen_values = true)]
-    pub position: f64,
+    pub position: Quantity,
 
     /// How far to move back from a stop [default: ten times watch.following_error]
     #[arg(long, value_name = "LENGTH", value_parser = quantity::length)]
-    pub back_off: Option<f64>,
+    pub back_off: Option<Quantity>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

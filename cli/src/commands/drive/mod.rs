@@ -3,10 +3,11 @@
 pub mod arguments;
 mod play;
 
-use super::{AxisArgs, Failure};
+use super::{AxisArgs, Failure, of_kind};
 use arguments::{Home, Jog, MarkArg, Move, PlayArgs};
 use clap::{Args, Subcommand};
-use preslide_drive::{BAUD, Drive as Session, DriveError, open, quantity, screen, words};
+use preslide_drive::quantity::{self, Quantity};
+use preslide_drive::{BAUD, Drive as Session, DriveError, open, screen, words};
 use preslide_fit::model::{Model, key_of};
 use preslide_fit::recording::MotionKind;
 use preslide_fit::report::{figures, units::name_and_unit};
@@ -51,7 +52,7 @@ pub struct ControllerArgs {
 
     /// The axis turns: lengths are angles in rad
     #[arg(long)]
-    rotary: bool,
+    pub rotary: bool,
 }
 
 #[derive(Subcommand)]
@@ -76,7 +77,7 @@ enum What {
     Zero {
         /// The position to set
         #[arg(value_name = "POSITION", default_value = "0", value_parser = quantity::length, allow_hyphen_values = true)]
-        position: f64,
+        position: Quantity,
     },
     /// Show parameters
     Get {
@@ -149,10 +150,35 @@ fn stop_flag() -> Result<Arc<AtomicBool>, Failure> {
 impl Drive {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
+        if let Some(command) = &self.command {
+            of_kind(self.controller.rotary, &command.quantities())?;
+        }
         let session = self.controller.session()?;
         match self.command {
             None => Ok(screen::run(session, self.controller.kind().unit())?),
             Some(command) => Commanded::new(session, &self.controller)?.carry_out(command),
+        }
+    }
+}
+
+impl What {
+    /// What it has with a unit, by its option.
+    fn quantities(&self) -> Vec<(&'static str, Option<&Quantity>)> {
+        match self {
+            Self::Move(to) => vec![
+                ("--by", to.by.as_ref()),
+                ("--to", to.to.as_ref()),
+                ("--speed", to.speed.as_ref()),
+                ("--acceleration", to.acceleration.as_ref()),
+            ],
+            Self::Jog(jog) => vec![("SPEED", Some(&jog.speed))],
+            Self::Home(home) => vec![
+                ("--speed", home.speed.as_ref()),
+                ("--position", Some(&home.position)),
+                ("--back-off", home.back_off.as_ref()),
+            ],
+            Self::Zero { position } => vec![("POSITION", Some(position))],
+            _ => Vec::new(),
         }
     }
 }
@@ -214,7 +240,7 @@ impl Commanded {
             What::Jog(jog) => self.jog(&jog),
             What::Home(home) => self.home(&home),
             What::Zero { position } => {
-                let position_m = position as f32;
+                let position_m = position.value as f32;
                 self.simple(
                     Request::Zero { position_m },
                     "the axis is located: its travel has ends",
@@ -304,23 +330,23 @@ impl Commanded {
 
     /// Moves, and waits until the axis stands.
     pub fn go(&mut self, to: &Move) -> Result<(), Failure> {
-        let speed = match to.speed {
-            Some(speed) => speed,
+        let speed = match &to.speed {
+            Some(speed) => speed.value,
             None => 0.2 * self.limit("limits.speed")?,
         };
-        let acceleration = match to.acceleration {
-            Some(acceleration) => acceleration,
+        let acceleration = match &to.acceleration {
+            Some(acceleration) => acceleration.value,
             None => 0.2 * self.limit("limits.acceleration")?,
         };
         let (speed_m_s, ramp_s) = (speed as f32, (speed / acceleration) as f32);
-        let request = match (to.by, to.to) {
+        let request = match (&to.by, &to.to) {
             (Some(by), _) => Request::Move {
-                distance_m: by as f32,
+                distance_m: by.value as f32,
                 speed_m_s,
                 ramp_s,
             },
             (None, to) => Request::MoveTo {
-                position_m: to.unwrap_or_default() as f32,
+                position_m: to.as_ref().map_or(0.0, |to| to.value) as f32,
                 speed_m_s,
                 ramp_s,
             },
@@ -330,7 +356,7 @@ impl Commanded {
     }
 
     fn jog(&mut self, jog: &Jog) -> Result<(), Failure> {
-        let speed_m_s = jog.speed as f32;
+        let speed_m_s = jog.speed.value as f32;
         self.drive.ask(Request::Jog { speed_m_s })?;
         let start = Instant::now();
         while start.elapsed().as_secs_f64() < jog.seconds && !self.stop.load(Ordering::Relaxed) {
@@ -346,13 +372,13 @@ impl Commanded {
 
     /// Finds the origin.
     pub fn home(&mut self, home: &Home) -> Result<(), Failure> {
-        let speed = match home.speed {
-            Some(speed) => speed,
+        let speed = match &home.speed {
+            Some(speed) => speed.value,
             None => -0.1 * self.limit("limits.speed")?,
         };
-        let back_off = match (home.mark, home.back_off) {
+        let back_off = match (home.mark, &home.back_off) {
             (MarkArg::Index, _) => 0.0,
-            (MarkArg::Stop, Some(length)) => length,
+            (MarkArg::Stop, Some(length)) => length.value,
             (MarkArg::Stop, None) => 10.0 * self.limit("watch.following_error")?,
         };
         self.drive.ask(Request::Home(Homing {
@@ -361,7 +387,7 @@ impl Commanded {
                 MarkArg::Stop => Mark::Stop,
             },
             speed_m_s: speed as f32,
-            position_m: home.position as f32,
+            position_m: home.position.value as f32,
             back_off_m: back_off as f32,
         }))?;
         self.stands()?;

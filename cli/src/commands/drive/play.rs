@@ -39,7 +39,7 @@ impl Commanded {
         let mut following = Following::default();
         let (played, summary) = self.recorded(play, playing, &motion, &mut following)?;
         let path = play.output.display();
-        eprintln!("wrote {path}");
+        tell!("wrote {path}");
         say!(
             "played {} points in {:.1} s, the buffer never below {}; {} samples in {} rows, {} missing.",
             played.points,
@@ -134,7 +134,7 @@ impl Commanded {
             && recorded.is_ok()
         {
             let path = play.output.display();
-            eprintln!("wrote {path} up to the interruption: {error}");
+            tell!("wrote {path} up to the interruption: {error}");
         }
         Ok((played?, recorded?))
     }

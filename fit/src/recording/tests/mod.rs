@@ -5,6 +5,7 @@ mod faults;
 mod foreign;
 mod loggers;
 mod lost;
+mod plausible;
 mod real;
 mod refusals;
 mod text;

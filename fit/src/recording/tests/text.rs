@@ -191,3 +191,95 @@ fn a_line_without_end_is_refused_before_it_fills_memory() {
         assert!(e.contains("64 KiB") || e.contains("not a number"), "{e}");
     }
 }
+
+/// A drive's own unit in the row of units: the others are applied, and the question names column, unit and map.
+#[test]
+fn an_unknown_unit_leaves_the_row_one_of_units() {
+    let rows: String = swing(|_, x, _| *x *= 1e3)
+        .lines()
+        .skip(1)
+        .map(|l| l.replace(',', ";") + "\n")
+        .collect();
+    for head in [
+        "Time;Position;Force\ns;LU;kN\n",
+        "Zeit;Lage;Kraft\n[s];[LU];[kN]\n",
+    ] {
+        let csv = format!("{head}{rows}");
+        let position = if head.starts_with('T') {
+            "Position"
+        } else {
+            "Lage"
+        };
+        let named = format!("`{position} [LU]`");
+        let map = format!("--map 'x_m=FACTOR*{position} [LU]'");
+        refuses(text(&csv, &[]), &["no known unit at", &named, &map]);
+        let map = format!("0.001*{position} [LU]");
+        let r = text(&csv, &[("x_m", &map)]).expect("with its factor");
+        assert!((r.ends().1 - 0.015).abs() < 1e-6);
+        assert!(r.effort.iter().any(|f| *f > 2.9e3), "kN are applied");
+        let bare = text(&csv, &[("x_m", position)]).expect("as it is");
+        let said = said(&bare, "unit-of-another-kind");
+        assert!(
+            said.contains("is in LU, which is not a unit of x_m"),
+            "{said}"
+        );
+    }
+}
+
+/// Times and days in the words and forms of loggers.
+#[test]
+fn stamps_of_a_day_and_a_time_are_taken_for_the_time() {
+    let csv = |name: &str, of: &dyn Fn(u32, f64) -> String| {
+        let row = |i: u32| {
+            let (minute, second) = (i / 6000, f64::from(i % 6000) * 0.01);
+            let x = 0.01 * (f64::from(i) * 0.02).sin();
+            format!(
+                "{};{x:.6};{:.3}\n",
+                of(minute, second),
+                (f64::from(i) * 0.02).cos().signum()
+            )
+        };
+        format!(
+            "{name};x_m;force_N\n{}",
+            (0..9000).map(row).collect::<String>()
+        )
+    };
+    let german = |m: u32, s: f64| format!("02.01.2026 03:{m:02}:{s:06.3}");
+    let compact = |m: u32, s: f64| format!("20260102T03{m:02}{s:06.3}");
+    let of_day = |m: u32, s: f64| format!("02.01.2026;03:{m:02}:{s:06.3}");
+    for csv in [
+        csv("Datum", &german),
+        csv("Date", &german),
+        csv("日時", &german),
+        csv("时间", &german),
+        csv("Heure", &german),
+        csv("timestamp", &compact),
+        csv("Datum;Uhrzeit", &of_day),
+    ] {
+        let r = read(&csv);
+        let head = csv.lines().next().unwrap_or_default();
+        assert!((r.sample_time_s() - 0.01).abs() < 1e-9, "{head}");
+        assert!((r.t_s[8999] - r.t_s[0] - 89.99).abs() < 1e-6, "{head}");
+    }
+}
+
+/// A comma at the end of the header is no column, unless something stands below it.
+#[test]
+fn a_header_may_end_with_a_comma() {
+    let plain = swing(|_, _, _| {});
+    let header = |more: &str| plain.replacen("force_N\n", &format!("force_N{more}\n"), 1);
+    let r = read(&header(","));
+    assert_eq!(r.effort, read(&plain).effort);
+    assert!(!warns(&r, "nameless-column"));
+    let below: String = header(",")
+        .lines()
+        .enumerate()
+        .map(|(i, l)| match i {
+            0 => format!("{l}\n"),
+            _ => format!("{l},{}\n", i % 7),
+        })
+        .collect();
+    assert!(said(&read(&below), "nameless-column").contains("number 4"));
+    let unread = text(&below.replace("x_m", "pos"), &[]);
+    refuses(unread, &["t_s, pos, force_N and a column without a name"]);
+}
