@@ -1,11 +1,13 @@
 //! What changed between recordings of one machine: the rigid body of each, and whether one factor of the effort makes one of the other.
 
+use super::fit::{shown, unit};
 use super::fitting::Fitting;
 use super::plain::Plain;
 use super::rigid_body;
 use super::weights::Weights;
 use crate::friction::FrictionModel;
 use crate::recording::Recording;
+use crate::report::figures::{ends, within};
 use crate::signal::Kinematics;
 use serde::Serialize;
 
@@ -127,15 +129,11 @@ impl Change {
             Some(name) if names.len() == recording.joined.len() => (*name).to_owned(),
             _ => format!("file {file}"),
         };
-        let percent =
-            |change: f64, reach: f64| format!("{:+.1} ± {:.1} %", 100.0 * change, 100.0 * reach);
+        let percent = |change: f64, reach: f64| within(100.0 * change, 100.0 * reach, "%");
         let parts = self.parameters.iter().map(|p| {
-            let [a, b] = p.values;
-            format!(
-                "{} {a:.4} → {b:.4} ({})",
-                p.name,
-                percent(p.change, p.reach)
-            )
+            let (a, b, unit) = ends(p.values[0], p.values[1], &unit(recording, p.name));
+            let name = shown(recording, p.name);
+            format!("{name} {a} → {b} {unit} ({})", percent(p.change, p.reach))
         });
         let parts = parts.collect::<Vec<_>>().join(", ");
         let gain = self.gain.map_or(
