@@ -72,7 +72,7 @@ impl Diagnosis {
             title: format!("Diagnosis of {}", recording.name),
             lead: format!(
                 "{}. {}",
-                capital(&self.verdict_clauses(recording)[0]),
+                capital(&self.verdict_clause(recording)),
                 self.recommendation(recording)
             ),
             command,
@@ -106,12 +106,14 @@ impl Diagnosis {
 
     /// What explains the mismatch, and how much of it.
     fn budget_section(&self, recording: &Recording) -> Section {
-        // The lead has the first.
-        let clauses = self.verdict_clauses(recording).into_iter().skip(1);
         let besides = [self.in_fit_words(recording), self.possible_words(recording)];
         Section {
             heading: "What explains the mismatch".to_owned(),
-            paragraphs: clauses.chain(besides.into_iter().flatten()).collect(),
+            paragraphs: self
+                .remarks(recording)
+                .into_iter()
+                .chain(besides.into_iter().flatten())
+                .collect(),
             tables: vec![self.budget_table(recording)],
             ..Section::default()
         }
@@ -328,8 +330,8 @@ impl Diagnosis {
             )
         });
         let intro = format!(
-            "NMSE is the squared error over the variance of the whole measured effort after averaging with a kernel of ±{:.1} ms; test figures come from {} stretches of the recording held out in turn. Decisions compare {} stretches with equal shares of the moving time and of the path. Rest ({:.0} % of the samples) and the beginning of each recording, until friction's state is known, are left out.",
-            1e3 * rows.weak.half_width_s,
+            "NMSE is the squared error over the variance of the whole measured effort after averaging with a kernel of ±{}; test figures come from {} stretches of the recording held out in turn. Decisions compare {} stretches with equal shares of the moving time and of the path. Rest ({:.0} % of the samples) and the beginning of each recording, until friction's state is known, are left out.",
+            quantity(rows.weak.half_width_s, "s"),
             rows.weak.folds.len(),
             rows.blocks.len(),
             100.0 * rows.at_rest

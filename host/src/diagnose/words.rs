@@ -319,7 +319,19 @@ impl Diagnosis {
     }
 
     /// The verdict itself, and what is to be said beside it.
-    pub(super) fn verdict_clauses(&self, recording: &Recording) -> Vec<String> {
+    fn verdict_clauses(&self, recording: &Recording) -> Vec<String> {
+        let in_fit: Vec<&str> = self.in_fit().map(|e| e.name()).collect();
+        let in_fit = (!in_fit.is_empty()).then(|| format!("in the fit: {}", in_fit.join(", ")));
+        let nameless = self.nameless().map(|u| u.words(self, recording));
+        std::iter::once(self.verdict_clause(recording))
+            .chain(in_fit)
+            .chain(self.remarks(recording))
+            .chain(nameless.map(|words| format!("without a name: {words}")))
+            .collect()
+    }
+
+    /// The verdict in a clause.
+    pub(super) fn verdict_clause(&self, recording: &Recording) -> String {
         let between = self.unrepeated.filter(|u| *u > 0.0);
         let between = between.map_or(String::new(), |u| {
             format!(", {} varying between repeats", left(u))
@@ -330,7 +342,7 @@ impl Diagnosis {
             left(self.extended.test),
             left(self.noise_floor)
         );
-        let verdict = match self.verdict {
+        match self.verdict {
             Verdict::Consistent if self.null.core.corrects => format!(
                 "consistent: no difference larger than {} of the variance ({figures})",
                 left(self.baseline.test.max(self.null.rows.missed))
@@ -378,27 +390,21 @@ impl Diagnosis {
                 "insufficient data: the best model leaves {:.0} % of the variance on stretches held out, and nothing in the catalogue explains it ({figures})",
                 self.extended.test
             ),
-        };
-        let mut clauses = vec![verdict];
+        }
+    }
+
+    /// What is to be said of the model beside the verdict, a clause each.
+    pub(super) fn remarks(&self, recording: &Recording) -> Vec<String> {
+        let mut clauses = Vec::new();
         let wrong = self.wrong();
         let wrong: Vec<String> = wrong.map(|p| name_and_unit(&p.key, "").0).collect();
         if !wrong.is_empty() && self.verdict != Verdict::ParametersDiffer {
             clauses.push(format!("wrong in the model: {}", wrong.join(", ")));
         }
-        let in_fit: Vec<&str> = self.in_fit().map(|e| e.name()).collect();
-        if !in_fit.is_empty() {
-            clauses.push(format!("in the fit: {}", in_fit.join(", ")));
-        }
         clauses.extend(self.other_law(recording));
         clauses.extend(self.too_soft());
         if self.null.core.follows_velocity() {
             clauses.push("friction reverses smoothly over the slowest speeds, as tanh(v/v0), not along the path: hysteresis alone, GMS's too, would leave most of the mismatch".to_owned());
-        }
-        for unknown in self.nameless() {
-            clauses.push(format!(
-                "without a name: {}",
-                unknown.words(self, recording)
-            ));
         }
         if let Some(wanders) = self.unnamed.iter().find(|u| u.wanders && u.is_sure()) {
             let axis = wanders.axis.name(&self.null.rows.s);

@@ -3,8 +3,8 @@
 use super::lift::SEED;
 use super::{AHEAD, Prediction, Predictor};
 use preslide_fit::recording::Recording;
-use preslide_fit::report::figures::significant;
-use preslide_fit::report::{Page, Section, Table, display_unit};
+use preslide_fit::report::figures::quantity;
+use preslide_fit::report::{Page, Section, Table};
 use serde_json::{Value, json};
 
 impl Prediction {
@@ -14,9 +14,7 @@ impl Prediction {
             true => recording.position_unit(),
             false => recording.effort_unit(),
         };
-        let told = self.predictors.iter().flat_map(|p| &p.told);
-        let shown = display_unit(unit, told.fold(0.0, |most: f64, e| most.max(*e)));
-        let ahead = AHEAD.map(|steps| format!("{steps} [{}]", shown.unit));
+        let ahead = AHEAD.map(|steps| steps.to_string());
         let head = ["predictor", "states", "delays", "ridge"].map(str::to_owned);
         let row = |p: &Predictor| {
             let [delays, ridge] = match p.lift {
@@ -27,7 +25,7 @@ impl Prediction {
                 0 => "–".to_owned(),
                 n => n.to_string(),
             };
-            let errors = p.told.iter().map(|error| significant(shown.factor * error));
+            let errors = p.told.iter().map(|error| quantity(*error, unit));
             [p.name.clone(), states, delays, ridge]
                 .into_iter()
                 .chain(errors)
