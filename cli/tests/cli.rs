@@ -48,7 +48,7 @@ fn model_json_and_report_are_written_and_read_back() {
     // Another model of the family, with its parameters in a table.
     let run = preslide(&["identify", &path, "--friction", "dahl_linear", "-o", &model]);
     assert!(run.succeeds().out.contains("Dahl, n = 1 *"), "{}", run.out);
-    assert!(run.out.contains("stiffness_N_per_m"), "{}", run.out);
+    assert!(run.out.contains("stiffness "), "{}", run.out);
     let kind = Model::load(Path::new(&model)).expect("a model file");
     assert_eq!(kind.friction.kind(), "dahl");
     let both = ["--friction", "lugre", "--blocks", "2"];
@@ -373,7 +373,7 @@ fn reports_a_predictor_beside_the_friction_models() {
     let json = folder.path("block.json");
     let run = preslide(&["identify", &path, "--predictor", "koopman", "--json", &json]);
     run.succeeds();
-    for part in ["ARX", "Koopman, blocks", "GMS, N = 1", "LuGre", "1000 [mN]"] {
+    for part in ["ARX", "Koopman, blocks", "GMS, N = 1", "LuGre", " mN"] {
         assert!(run.out.contains(part), "{part}: {}", run.out);
     }
     let told = std::fs::read_to_string(&json).expect("written");

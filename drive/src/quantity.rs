@@ -123,6 +123,34 @@ pub fn positive_length(text: &str) -> Result<Quantity, String> {
     positive(length(text))
 }
 
+/// The unit of a controller's parameter, of an axis whose lengths are in m or rad; nothing for a share or a ratio.
+pub fn of_parameter(name: &str, length: &str) -> String {
+    let rotary = length == "rad";
+    let force = if rotary { "N·m" } else { "N" };
+    match name.rsplit('.').next().unwrap_or(name) {
+        "proportional" => format!("{force}/{length}"),
+        "integral" => format!("{force}/({length}·s)"),
+        "derivative" => format!("{force}·s/{length}"),
+        "integral_limit" | "limit" => force.to_owned(),
+        "mass" if rotary => "kg·m²".to_owned(),
+        "mass" => "kg".to_owned(),
+        "deadband" | "following_error" | "travel_low" | "travel_high" => length.to_owned(),
+        "speed" | "top_speed" => format!("{length}/s"),
+        "acceleration" => format!("{length}/s²"),
+        "jerk" => format!("{length}/s³"),
+        "frequency" => "Hz".to_owned(),
+        "torque_constant" => "N·m/A".to_owned(),
+        "resistance" => "Ω".to_owned(),
+        "inductance" => "H".to_owned(),
+        "screw_lead" => format!("{length}/turn"),
+        "supply" | "supply_min" | "supply_max" | "diode_drop" => "V".to_owned(),
+        "current_max" | "current_rated" | "current_offset" => "A".to_owned(),
+        "silence" => "s".to_owned(),
+        time if time.ends_with("_time") => "s".to_owned(),
+        _ => String::new(),
+    }
+}
+
 /// A length or speed as people read it, to a nanometre or nanoradian: `100.5 µm`.
 pub fn shown(value: f64, unit: &str) -> String {
     let (prefix, scale, decimals) = match value.abs() {
@@ -138,6 +166,22 @@ pub fn shown(value: f64, unit: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn parameters_have_the_unit_of_their_axis() {
+        for (name, linear, rotary) in [
+            ("gains.derivative", "N·s/m", "N·m·s/rad"),
+            ("watch.top_speed", "m/s", "rad/s"),
+            ("feed_forward.mass", "kg", "kg·m²"),
+            ("watch.thermal_time", "s", "s"),
+            ("duty_limit", "", ""),
+        ] {
+            assert_eq!(
+                [of_parameter(name, "m"), of_parameter(name, "rad")],
+                [linear, rotary]
+            );
+        }
+    }
 
     #[test]
     fn lengths_and_rates_are_read_with_their_units() {

@@ -59,22 +59,25 @@ impl Story<'_> {
             "no friction model".to_owned(),
             format!("identified: GMS, N = {size}"),
             "with what the diagnosis added".to_owned(),
-            format!("the same, exported as {}", self.exported.kernel.name()),
+            format!(
+                "the same, exported as {} with {} blocks",
+                self.exported.kernel.name(),
+                self.exported.cost.blocks
+            ),
             "with the stage's own parameters".to_owned(),
         ]
     }
 
     /// Tracking errors, for the terminal and the page.
     pub fn table(&self) -> Table {
-        let nm = |value: f64| format!("{:.0}", value * 1e9);
+        let error = |value: f64| quantity(value, "m");
         let row = |(way, followed): (String, &Followed)| {
-            let error = &followed.error;
-            let rms = error.rms_m().map_or("fault".to_owned(), nm);
-            vec![way, rms, nm(error.peak_m())]
+            let rms = followed.error.rms_m().map_or("fault".to_owned(), error);
+            vec![way, rms, error(followed.error.peak_m())]
         };
         Table {
             caption: "Tracking error of the true position, the same gains throughout".to_owned(),
-            head: ["feed-forward", "RMS nm", "largest nm"]
+            head: ["feed-forward", "RMS", "largest"]
                 .map(String::from)
                 .to_vec(),
             rows: self
@@ -123,19 +126,13 @@ impl Story<'_> {
 
     /// The result in a sentence or two.
     pub fn outcome(&self) -> String {
-        let nm = |i: usize| {
-            let followed: Option<&Followed> = self.followed.get(i);
-            let rms = followed.and_then(|f| f.error.rms_m());
-            rms.map_or("a fault".to_owned(), |rms| format!("{:.0} nm", rms * 1e9))
-        };
+        let [none, identified, diagnosed, exported, known] = self.followed.each_ref().map(|f| {
+            let rms = f.error.rms_m();
+            rms.map_or("a fault".to_owned(), |rms| quantity(rms, "m"))
+        });
         format!(
-            "RMS tracking error: {} without a friction model, {} with the identified one, {} with what the diagnosis added ({} as it is \
-             exported for the controller), {} knowing the truth. The diagnosis names {}.",
-            nm(0),
-            nm(1),
-            nm(2),
-            nm(3),
-            nm(4),
+            "RMS tracking error: {none} without a friction model, {identified} with the identified one, {diagnosed} with what the diagnosis \
+             added ({exported} as it is exported for the controller), {known} knowing the truth. The diagnosis names {}.",
             self.names(),
         )
     }
@@ -143,16 +140,22 @@ impl Story<'_> {
     /// The page.
     pub fn page(&self, command: String) -> Page {
         let recording = self.recording;
-        let identified = self.found.page(recording, String::new()).sections;
+        let mut identified = self
+            .found
+            .page(recording, String::new())
+            .sections
+            .into_iter();
         let diagnosed = self.diagnosis.page(recording, String::new());
-        let mut sections = vec![self.recorded()];
-        sections.extend(identified.into_iter().next().map(|section| Section {
+        // Parameters.
+        let mut sections: Vec<Section> = identified.by_ref().take(1).collect();
+        sections.push(self.recorded());
+        sections.extend(identified.next().map(|section| Section {
             heading: "How many blocks, and why".to_owned(),
             paragraphs: [vec![self.found.recommendation.clone()], section.paragraphs].concat(),
             ..section
         }));
-        // Where model and recording differ, and what is missing.
-        sections.extend(diagnosed.sections.into_iter().take(2));
+        // What is missing, what of the model is wrong, and where model and recording differ.
+        sections.extend(diagnosed.sections.into_iter().take(3));
         sections.push(self.tracked());
         Page {
             title: "Preslide demo: recorded, identified, diagnosed, compensated".to_owned(),

@@ -113,7 +113,7 @@ impl Diagnose {
                 if let Some(fit) = fit.filter(|fit| fit.is_found()) {
                     explain!("Note: {}.", fit.words(&recording));
                 }
-                return Err(Failure::Data(format!("insufficient-data: {message}")));
+                return Err(Failure::Data(format!("insufficient data: {message}")));
             }
             Err(refusal) => return Err(refusal.into()),
         };

@@ -219,11 +219,15 @@ impl Identify {
 pub fn print(found: &Identification, recording: &Recording) {
     explain!("{}", found.rigid_body_table(recording).to_text());
     explain!("{}", found.size_table().to_text());
-    let tables = [found.parameter_table(), found.block_table(recording)];
+    let tables = [
+        found.parameter_table(recording),
+        found.block_table(recording),
+    ];
     for table in tables.into_iter().flatten() {
         explain!("{}", table.to_text());
     }
-    for note in found.notes(recording) {
+    let notes = found.notes(recording).into_iter();
+    for note in notes.chain(found.why_not_the_papers(recording)) {
         explain!("Note: {note}.");
     }
     explain!("{}", found.recommendation);

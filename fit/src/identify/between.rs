@@ -7,7 +7,7 @@ use super::rigid_body;
 use super::weights::Weights;
 use crate::friction::FrictionModel;
 use crate::recording::{MotionKind, Recording};
-use crate::report::figures::range;
+use crate::report::figures::{ends, within};
 use crate::signal::Kinematics;
 use serde_json::{Value, json};
 
@@ -138,13 +138,11 @@ impl Change {
             Some(name) if names.len() == recording.joined.len() => (*name).to_owned(),
             _ => format!("file {file}"),
         };
-        let percent =
-            |change: f64, reach: f64| format!("{:+.1} ± {:.1} %", 100.0 * change, 100.0 * reach);
+        let percent = |change: f64, reach: f64| within(100.0 * change, 100.0 * reach, "%");
         let parts = self.parameters.iter().map(|p| {
-            let [a, b] = p.values;
-            let name = shown(recording, p.name).replace('_', " ");
-            let values = range(a, b, &unit(recording, p.name));
-            format!("{name} {values} ({})", percent(p.change, p.reach))
+            let (a, b, unit) = ends(p.values[0], p.values[1], &unit(recording, p.name));
+            let name = shown(recording, p.name);
+            format!("{name} {a} → {b} {unit} ({})", percent(p.change, p.reach))
         });
         let parts = parts.collect::<Vec<_>>().join(", ");
         let gain = self.gain.map_or(

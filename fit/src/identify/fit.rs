@@ -34,10 +34,10 @@ pub(super) fn unit(recording: &Recording, name: &str) -> String {
 }
 
 /// A rigid body parameter's name for people.
-pub(super) fn shown<'a>(recording: &Recording, name: &'a str) -> &'a str {
+pub(super) fn shown(recording: &Recording, name: &str) -> String {
     match (name, recording.kind) {
-        ("mass", MotionKind::Rotary) => "inertia",
-        (name, _) => name,
+        ("mass", MotionKind::Rotary) => "inertia".to_owned(),
+        (name, _) => name.replace('_', " "),
     }
 }
 
@@ -66,7 +66,7 @@ impl Identification {
         let parameter = |(name, e): (&'static str, Estimate)| {
             let unit = unit(recording, name);
             let size = estimate(e.value, e.ci95, &unit);
-            format!("{} {size}", shown(recording, name).replace('_', " "))
+            format!("{} {size}", shown(recording, name))
         };
         let parameters: Vec<String> = self.parameters().map(parameter).collect();
         let best = self.best();

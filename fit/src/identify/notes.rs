@@ -128,9 +128,9 @@ impl Identification {
     fn say_taken(&mut self) {
         let best = self.best();
         self.recommendation = format!(
-            "As requested: {}, {:.3} % held out. Otherwise: {}",
+            "As requested: {}, {} held out. Otherwise: {}",
             best.model.friction.name(),
-            best.nmse_test,
+            left(best.nmse_test),
             self.recommendation
         );
     }
@@ -270,7 +270,9 @@ impl Identification {
         let best = self.best();
         let (train, test) = (best.nmse_train, best.nmse_test);
         let told = format!(
-            "it leaves {train:.3} % of the variance it was fitted to, and {test:.3} % of what is held out"
+            "it leaves {} of the variance it was fitted to, and {} of what is held out",
+            left(train),
+            left(test)
         );
         // A requested window may be calmer or livelier than the rest; then only a fit that explains nothing of its own samples is useless.
         let most = match self.split.test {
@@ -287,6 +289,22 @@ impl Identification {
         }
         (test > UNEXPLAINED && test > BY_HEART * train).then(|| {
             format!("the best model fits its own samples only ({told}); record more of the same motion, or widen --train")
+        })
+    }
+
+    /// Why the fit is recommended where blocks that the paper's method reads off the curve leave less.
+    pub fn why_not_the_papers(&self, recording: &Recording) -> Option<String> {
+        let papers = self.candidates.iter().filter(|c| c.method == Method::Paper);
+        let papers = papers.min_by(|a, b| a.nmse_test.total_cmp(&b.nmse_test))?;
+        let (_, latest) = self.yield_range;
+        let may_yield_later = latest < self.half_a_stroke;
+        (may_yield_later && papers.nmse_test < self.best().nmse_test).then(|| {
+            format!(
+                "the paper's method leaves less, {} with {} blocks, because its blocks may yield late; those of the fit yield by {} at the latest: later ones may as well be a force of the position, and do not surely predict strokes better that were left out; more strokes decide",
+                left(papers.nmse_test),
+                papers.size(),
+                quantity(latest, recording.position_unit())
+            )
         })
     }
 

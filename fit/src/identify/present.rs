@@ -6,8 +6,8 @@ use super::{Identification, Method};
 use crate::friction::Path;
 use crate::model::{Model, keys_of};
 use crate::recording::Recording;
-use crate::report::figures::{cells, digits, quantity};
-use crate::report::units::symbol;
+use crate::report::figures::{between, cells, quantity, significant};
+use crate::report::units::{name_and_unit, symbol};
 use crate::report::{
     Axis, Colour, DisplayUnit, Emphasis, Figure, Page, Section, Series, Style, Table, display_unit,
 };
@@ -20,6 +20,8 @@ const LOOPS: usize = 2;
 const RAMP: i32 = 100;
 /// Steps on the way to each of them.
 const STEPS: usize = 400;
+/// Whose the last columns are.
+const PAPERS_METHOD: &str = "The paper's method is that of E. Kamenar and S. Zelenika (Proc. IMechE Part C, JMES-17-1227): blocks read off the mean curve after a reversal.";
 
 impl Identification {
     /// `preslide.identification/1`; `warnings` are the loader's, `seconds` the time it took.
@@ -61,30 +63,18 @@ impl Identification {
 
     /// Rigid body with confidence.
     pub fn rigid_body_table(&self, recording: &Recording) -> Table {
-        Table {
-            caption: format!("Rigid body, effort low-passed at {:.2} Hz", self.band_hz),
-            head: ["parameter", "value", "95 % from", "to", "unit"]
-                .map(String::from)
-                .to_vec(),
-            rows: self
-                .parameters()
-                .map(|(name, e)| {
-                    let shown_unit = display_unit(
-                        &unit(recording, name),
-                        e.value.abs().max(e.reach().unwrap_or(0.0)),
-                    );
-                    let [value, from, to] = cells(e.value, e.ci95, shown_unit.factor);
-                    let name_shown = match name {
-                        "coulomb" if self.best().size() > 0 => "coulomb (ΣW)",
-                        "offset" if self.plain.place == Place::Spring => {
-                            "offset (at 0; the spring's)"
-                        }
-                        name => shown(recording, name),
-                    };
-                    vec![name_shown.to_owned(), value, from, to, shown_unit.unit]
-                })
-                .collect(),
-        }
+        let rows = self.parameters().map(|(name, e)| {
+            let called = match name {
+                "coulomb" if self.best().size() > 0 => "coulomb (ΣW)".to_owned(),
+                "offset" if self.plain.place == Place::Spring => {
+                    "offset (at 0; the spring's)".to_owned()
+                }
+                name => shown(recording, name),
+            };
+            (called, unit(recording, name), e)
+        });
+        let band = quantity(self.band_hz, "Hz");
+        Table::parameters(format!("Rigid body, effort low-passed at {band}"), rows)
     }
 
     /// NMSE against the number of blocks.
@@ -94,10 +84,7 @@ impl Identification {
                 .iter()
                 .find(|c| c.method == method && c.size() == size)
                 .map_or(["–".to_owned(), "–".to_owned()], |c| {
-                    [
-                        format!("{:.4}", c.nmse_train),
-                        format!("{:.4}", c.nmse_test),
-                    ]
+                    [c.nmse_train, c.nmse_test].map(significant)
                 })
         };
         let best = self.best().model.friction.name();
@@ -136,8 +123,8 @@ impl Identification {
                 .map(|c| {
                     vec![
                         marked(&c.model.friction.name()),
-                        format!("{:.4}", c.nmse_train),
-                        format!("{:.4}", c.nmse_test),
+                        significant(c.nmse_train),
+                        significant(c.nmse_test),
                         "–".to_owned(),
                         "–".to_owned(),
                     ]
@@ -158,24 +145,16 @@ impl Identification {
     }
 
     /// Parameters of a model of the family with confidence; none for Coulomb friction and GMS.
-    pub fn parameter_table(&self) -> Option<Table> {
+    pub fn parameter_table(&self, recording: &Recording) -> Option<Table> {
         let best = self.best();
-        (!best.parameters.is_empty()).then(|| Table {
-            caption: format!(
-                "{}, by its keys in model files; – stands where nothing was fitted",
-                best.model.friction.name()
-            ),
-            head: ["parameter", "value", "95 % from", "to"]
-                .map(String::from)
-                .to_vec(),
-            rows: best
-                .parameters
-                .iter()
-                .map(|(key, e)| {
-                    let [from, to] = bounds(e);
-                    vec![best.model.key(key), digits(e.value), from, to]
-                })
-                .collect(),
+        let rows = best.parameters.iter().map(|(key, e)| {
+            let (name, unit) = name_and_unit(&best.model.key(key), recording.effort_unit());
+            (name, unit, *e)
+        });
+        let name = best.model.friction.name();
+        (!best.parameters.is_empty()).then(|| {
+            let caption = format!("{name}; – stands where nothing was fitted");
+            Table::parameters(caption, rows)
         })
     }
 
@@ -197,9 +176,9 @@ impl Identification {
             ),
             head: [
                 "block".to_owned(),
-                format!("stiffness {}", stiffness.unit),
+                format!("stiffness [{}]", stiffness.unit),
                 "95 %".to_owned(),
-                format!("yield displacement {}", length.unit),
+                format!("yield displacement [{}]", length.unit),
                 "95 %".to_owned(),
                 "weight".to_owned(),
             ]
@@ -235,30 +214,33 @@ impl Identification {
     /// The report page.
     pub fn page(&self, recording: &Recording, command: String) -> Page {
         let tables = [
-            Some(self.size_table()),
-            self.parameter_table(),
+            Some(self.rigid_body_table(recording)),
+            self.parameter_table(recording),
             self.block_table(recording),
         ];
-        let notes = recording.warnings.iter().map(ToString::to_string);
+        let warnings = recording.warnings.iter().map(|w| w.message.clone());
         Page {
             title: format!("Identification of {}", recording.name),
             lead: self.recommendation.clone(),
             command,
             sections: vec![
                 Section {
-                    heading: "Friction model".to_owned(),
-                    paragraphs: vec![self.measure()],
+                    heading: "Parameters".to_owned(),
                     tables: tables.into_iter().flatten().collect(),
+                    ..Section::default()
+                },
+                Section {
+                    heading: "Friction model".to_owned(),
+                    paragraphs: [self.measure(), PAPERS_METHOD.to_owned()]
+                        .into_iter()
+                        .chain(self.why_not_the_papers(recording))
+                        .collect(),
+                    tables: vec![self.size_table()],
                     figures: vec![
                         self.loops_figure(recording),
                         self.sizes_figure(),
                         self.virgin_figure(recording),
                     ],
-                },
-                Section {
-                    heading: "Rigid body".to_owned(),
-                    tables: vec![self.rigid_body_table(recording)],
-                    ..Section::default()
                 },
                 Section {
                     heading: "What the model leaves".to_owned(),
@@ -268,11 +250,7 @@ impl Identification {
                     figures: self.residual_figures(recording),
                     ..Section::default()
                 },
-                Section {
-                    heading: "Notes".to_owned(),
-                    paragraphs: notes.chain(self.notes(recording)).collect(),
-                    ..Section::default()
-                },
+                Section::notes(warnings.chain(self.notes(recording))),
             ],
         }
     }
@@ -328,11 +306,9 @@ impl Identification {
                     .colour(Colour::Vermillion),
             );
         }
-        loops.note(format!(
-            "{} repeat(s) that end at t = {:.1} s.",
-            LOOPS,
-            shown.last().map_or(0.0, |&i| recording.t_s[i])
-        ))
+        let [from, to] =
+            [shown.first(), shown.last()].map(|i| i.map_or(0.0, |&i| recording.t_s[i]));
+        loops.note(format!("Measured {}.", between(from, to, "s")))
     }
 
     /// NMSE over the number of blocks.
@@ -492,12 +468,6 @@ impl Identification {
             .filter(|&i| kept.contains(&labels[i]))
             .collect()
     }
-}
-
-/// Both ends of the interval in words.
-pub(super) fn bounds(estimate: &Estimate) -> [String; 2] {
-    let ends = estimate.ci95.map(|ends| ends.map(digits));
-    ends.unwrap_or_else(|| ["–", "–"].map(String::from))
 }
 
 /// Breakaway force `ΣW` (N or N·m) of a GMS, Coulomb force of a Coulomb model.

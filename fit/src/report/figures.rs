@@ -4,14 +4,20 @@ use super::display_unit;
 
 /// A value in the prefix that suits it: `-266 µN`.
 pub fn quantity(value: f64, unit: &str) -> String {
+    /// What rounding leaves of a difference of doubles that is none.
+    const DUST: f64 = 1e-14;
+    let value = if value.abs() < DUST { 0.0 } else { value };
     let shown = display_unit(unit, value);
-    let value = value * shown.factor;
-    // What has no prefix may be smaller than three decimals show.
-    let figures = match value != 0.0 && value.abs() < 0.01 {
+    let figures = number(value * shown.factor);
+    format!("{figures} {}", shown.unit).trim_end().to_owned()
+}
+
+/// Three figures; what has no prefix may be smaller than three decimals show.
+fn number(value: f64) -> String {
+    match value != 0.0 && value.abs() < 0.01 {
         true => format!("{value:.2e}"),
         false => three(value),
-    };
-    format!("{figures} {}", shown.unit).trim_end().to_owned()
+    }
 }
 
 /// A value and how far it may be off, to two figures of that, in the prefix that suits the larger: `5.0002 ± 0.0011 mm`.
@@ -19,7 +25,7 @@ pub fn within(value: f64, reach: f64, unit: &str) -> String {
     let shown = display_unit(unit, value.abs().max(reach));
     let reach = reach * shown.factor;
     let decimals = decimals(reach);
-    let value = format!("{:.decimals$}", value * shown.factor).replace('-', "−");
+    let value = fixed(value * shown.factor, decimals);
     format!("{value} ± {reach:.decimals$} {}", shown.unit)
 }
 
@@ -59,19 +65,23 @@ pub fn range(from: f64, to: f64, unit: &str) -> String {
     format!("{from} to {to} {unit}")
 }
 
-fn ends(from: f64, to: f64, unit: &str) -> (String, String, String) {
+/// Two values and the unit with the prefix that suits the larger.
+pub fn ends(from: f64, to: f64, unit: &str) -> (String, String, String) {
     let shown = display_unit(unit, from.abs().max(to.abs()));
-    let [from, to] = [from, to].map(|value| three(value * shown.factor));
-    (from, to, shown.unit)
+    let [from, to] = [from, to].map(|value| value * shown.factor);
+    // Three figures of the larger, and two of what lies between them.
+    let between = decimals((to - from).abs()).min(6);
+    let places = places(from.abs().max(to.abs())).max(between);
+    (fixed(from, places), fixed(to, places), shown.unit)
 }
 
 /// A value and its interval times `factor`, for the cells of a table: to two figures of the interval's half, or three without one.
 pub fn cells(value: f64, interval: Option<[f64; 2]>, factor: f64) -> [String; 3] {
     let Some([low, high]) = interval else {
-        return [three(value * factor), "–".to_owned(), "–".to_owned()];
+        return [number(value * factor), "–".to_owned(), "–".to_owned()];
     };
     let decimals = decimals(0.5 * (high - low) * factor);
-    [value, low, high].map(|v| format!("{:.decimals$}", v * factor).replace('-', "−"))
+    [value, low, high].map(|v| fixed(v * factor, decimals))
 }
 
 /// Decimals of two figures of how far a value may be off.
@@ -83,27 +93,35 @@ fn decimals(reach: f64) -> usize {
 
 /// Three figures.
 pub fn three(value: f64) -> String {
-    let size = value.abs();
-    let decimals = match size {
+    fixed(value, places(value.abs()))
+}
+
+/// Decimals of three figures of a size.
+fn places(size: f64) -> usize {
+    match size {
         s if s >= 100.0 || s == 0.0 => 0,
         s if s >= 10.0 => 1,
         s if s >= 1.0 => 2,
         _ => 3,
-    };
-    format!("{value:.decimals$}").replace('-', "−")
+    }
 }
 
-/// Five significant digits.
-pub fn digits(value: f64) -> String {
-    let size = value.abs();
-    if size == 0.0 {
-        return "0".to_owned();
+/// So many decimals, with a minus as long as a plus; what rounds to nothing is 0.
+fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.parse() == Ok(0.0) {
+        true => "0".to_owned(),
+        false => text.replace('-', "−"),
     }
-    if !(1e-2..1e5).contains(&size) {
-        return format!("{value:.4e}");
+}
+
+/// Three significant digits, however small: errors of models lie decades apart.
+pub fn significant(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
     }
-    let decimals = 4 - size.log10().floor().clamp(-4.0, 4.0) as i32;
-    format!("{value:.*}", decimals.max(0) as usize)
+    let decimals = (2 - value.abs().log10().floor() as i32).clamp(0, 12);
+    fixed(value, decimals as usize)
 }
 
 /// Two figures, and never certainty: the weights behind it are known no better.
@@ -133,12 +151,49 @@ pub fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share.clamp(0.0, 1.0))
 }
 
+/// A ratio in per cent; of more than the whole, how many times.
+pub fn times(ratio: f64) -> String {
+    match ratio {
+        r if r < 1.0 => format!("{:.0} %", 100.0 * r),
+        r if r < 10.0 => format!("{r:.1} times"),
+        r => format!("{r:.0} times"),
+    }
+}
+
 /// What of a variance is left, given in %: nothing that can be read is no nought.
 pub fn left(nmse: f64) -> String {
     const LEAST: f64 = 0.001;
     if nmse > 0.0 && nmse < 0.5 * LEAST {
         format!("< {LEAST} %")
     } else {
-        format!("{nmse:.3} %")
+        format!("{} %", three(nmse))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_ends_have_the_same_decimals() {
+        for (from, to, unit, told) in [
+            (-1.9e-5, 0.0739, "m", "between 0 and 73.9 mm"),
+            (-2.6e-3, 0.0739, "m", "between −2.6 and 73.9 mm"),
+            (0.1, 0.10004, "m", "between 100.000 and 100.040 mm"),
+            (-1.0, 1.0, "rad/s", "between −1.00 and 1.00 rad/s"),
+        ] {
+            assert_eq!(between(from, to, unit), told);
+        }
+    }
+
+    #[test]
+    fn more_than_the_whole_is_so_many_times_and_dust_is_nothing() {
+        assert_eq!(
+            [0.71, 1.32, 23.4].map(times),
+            ["71 %", "1.3 times", "23 times"]
+        );
+        assert_eq!(quantity(-1.1e-16, "N"), "0 N");
+        assert_eq!(three(-0.0002), "0");
+        assert_eq!(quantity(-2.66e-4, "N"), "−266 µN");
     }
 }

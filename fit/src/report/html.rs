@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::drawing::{Curve, Drawing, DrawnAxis, POINTS_PER_SERIES, Stroke};
 use super::figure::Figure;
+use super::figures::capital;
 use super::table::Table;
 use super::{Page, Section};
 
@@ -27,6 +28,7 @@ const STYLE: &str = "
 body { max-width: 1100px; margin: 0 auto; padding: 1rem 1.5rem 2rem; }
 h1 { font-size: 1.6rem; margin: .5rem 0 .8rem; }
 h2 { font-size: 1.25rem; margin: 2rem 0 .5rem; border-bottom: 1px solid #ccc; }
+h1, h2, figcaption, p { overflow-wrap: anywhere; }
 p { max-width: 75ch; margin: .5rem 0; }
 .lead { max-width: none; border-left: 5px solid #0072B2; background: #eef5fa; padding: .7rem 1rem; font-size: 1.1rem; }
 nav ol { margin: .3rem 0; columns: 2; }
@@ -36,12 +38,20 @@ figcaption { font-weight: 600; }
 .note { font-size: .9rem; color: #444; max-width: none; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; margin: .3rem 0 1rem; font-variant-numeric: tabular-nums; }
-th, td { padding: .2rem .8rem; text-align: left; border-bottom: 1px solid #ddd; }
+th, td { padding: .2rem .8rem; text-align: left; vertical-align: top; border-bottom: 1px solid #ddd; }
+td { white-space: nowrap; }
 th { border-bottom: 2px solid #888; vertical-align: bottom; }
-.number { text-align: right; white-space: nowrap; }
-.words { min-width: 14rem; }
+.number { text-align: right; }
+.words { white-space: normal; min-width: 12rem; }
 footer { margin-top: 2.5rem; border-top: 1px solid #ccc; padding-top: .5rem; font-size: .85rem; color: #444; }
 code { font-family: ui-monospace, 'Cascadia Mono', Menlo, Consolas, monospace; overflow-wrap: anywhere; }
+@media (max-width: 40rem) {
+  body { padding: 1rem 1rem 2rem; }
+  nav ol { columns: 1; }
+  th, td { padding: .2rem .4rem; }
+  /* A legend that has a name a row must leave room for the curves. */
+  .plot { height: calc(420px + 20px * var(--names)); }
+}
 @media print {
   :root { font-size: 11pt; }
   body { max-width: none; padding: 0; }
@@ -68,9 +78,11 @@ for (const when of ['beforeprint', 'afterprint']) {
 
 /// The whole file.
 pub(super) fn render(page: &Page) -> String {
-    let figures = page.sections.iter().flat_map(|s| &s.figures);
+    let sections = page.sections.iter().filter(|s| s.has_content());
+    let sections: Vec<&Section> = sections.collect();
+    let figures = sections.iter().flat_map(|s| &s.figures);
     let most = most_points(figures.flat_map(|f| &f.series).map(|s| s.x.len()).collect());
-    let has_figures = page.sections.iter().any(|s| !s.figures.is_empty());
+    let has_figures = sections.iter().any(|s| !s.figures.is_empty());
     let title = escape(&page.title);
 
     let mut html = String::with_capacity(3 << 19);
@@ -86,14 +98,14 @@ pub(super) fn render(page: &Page) -> String {
     }
     let _ = write!(html, "\n</head>\n<body>\n<h1>{title}</h1>\n");
     if !page.lead.is_empty() {
-        let _ = writeln!(html, "<p class=\"lead\">{}</p>", escape(&page.lead));
+        let _ = writeln!(html, "<p class=\"lead\">{}</p>", prose(&page.lead));
     }
     if has_figures {
         html.push_str("<noscript><p>The figures need JavaScript, which is in this file; nothing is loaded.</p></noscript>\n");
     }
-    if page.sections.len() > SECTIONS_WITHOUT_CONTENTS {
+    if sections.len() > SECTIONS_WITHOUT_CONTENTS {
         html.push_str("<nav aria-label=\"Contents\"><ol>\n");
-        for (i, section) in page.sections.iter().enumerate() {
+        for (i, section) in sections.iter().enumerate() {
             let _ = writeln!(
                 html,
                 "<li><a href=\"#section-{}\">{}</a></li>",
@@ -104,7 +116,7 @@ pub(super) fn render(page: &Page) -> String {
         html.push_str("</ol></nav>\n");
     }
     let mut figure_number = 0;
-    for (i, section) in page.sections.iter().enumerate() {
+    for (i, section) in sections.into_iter().enumerate() {
         let _ = writeln!(html, "<section id=\"section-{}\">", i + 1);
         section_body(&mut html, section, &mut figure_number, most);
         html.push_str("</section>\n");
@@ -139,9 +151,9 @@ fn section_body(html: &mut String, section: &Section, figure_number: &mut usize,
         let _ = writeln!(html, "<h2>{}</h2>", escape(&section.heading));
     }
     for paragraph in &section.paragraphs {
-        let _ = writeln!(html, "<p>{}</p>", escape(paragraph));
+        let _ = writeln!(html, "<p>{}</p>", prose(paragraph));
     }
-    for table in &section.tables {
+    for table in section.tables.iter().filter(|table| !table.rows.is_empty()) {
         html.push_str(&table_html(table));
     }
     for figure in &section.figures {
@@ -200,14 +212,15 @@ fn figure_html(figure: &Figure, number: usize, most: usize) -> String {
     };
     let _ = writeln!(html, "<figcaption>Figure {number}{caption}</figcaption>");
     let id = format!("figure-{number}");
+    let names = drawing.curves.len();
     let plot = in_script(&plot(figure, &drawing));
     let _ = writeln!(
         html,
-        "<div class=\"plot\"><div id=\"{id}\" class=\"plotly-graph-div\" style=\"height:100%; width:100%;\"></div>\n\
+        "<div class=\"plot\" style=\"--names: {names}\"><div id=\"{id}\" class=\"plotly-graph-div\" style=\"height:100%; width:100%;\"></div>\n\
          <script>Plotly.newPlot(\"{id}\", {plot});</script></div>"
     );
     if !drawing.note.is_empty() {
-        let _ = writeln!(html, "<p class=\"note\">{}</p>", escape(&drawing.note));
+        let _ = writeln!(html, "<p class=\"note\">{}</p>", prose(&drawing.note));
     }
     html.push_str("</figure>\n");
     html
@@ -217,8 +230,6 @@ fn figure_html(figure: &Figure, number: usize, most: usize) -> String {
 fn plot(figure: &Figure, drawing: &Drawing) -> Value {
     let curves = &drawing.curves;
     let traces: Vec<Value> = curves.iter().map(|curve| trace(curve, drawing)).collect();
-    // The buttons stand in the first 40 pixels, the legend below them.
-    let top = 40 + 20 * legend_rows(curves);
     json!({
         "data": traces,
         "layout": {
@@ -229,9 +240,10 @@ fn plot(figure: &Figure, drawing: &Drawing) -> Value {
                 "color": "#1a1a1a",
             },
             "hovermode": "closest",
-            "margin": {"l": 70, "r": 20, "t": top, "b": 55},
+            // plotly.js's buttons stand in the first 40 pixels; what the legend needs at the bottom it adds itself.
+            "margin": {"l": 70, "r": 20, "t": 40, "b": 55},
             "showlegend": curves.len() > 1,
-            "legend": {"orientation": "h", "x": 0.0, "y": 1.01, "yanchor": "bottom"},
+            "legend": {"orientation": "h", "x": 0.0, "yref": "container", "y": 0.0, "yanchor": "bottom"},
             "xaxis": axis(&drawing.x),
             "yaxis": axis(&drawing.y),
         },
@@ -257,22 +269,6 @@ fn in_script(value: &Value) -> String {
         .replace('<', "\\u003c")
         .replace('>', "\\u003e")
         .replace('\'', "\\u0027")
-}
-
-/// Rows that plotly.js needs for the legend, which it sets in columns as wide as the longest name; on a page of full
-/// width about 130 characters fit beside each other.
-fn legend_rows(curves: &[Curve]) -> usize {
-    let widest = curves
-        .iter()
-        .map(|c| c.name.chars().count())
-        .max()
-        .unwrap_or(0);
-    let columns = (130 / (widest + 8)).max(1);
-    if curves.len() > 1 {
-        curves.len().div_ceil(columns).min(6)
-    } else {
-        0
-    }
 }
 
 fn axis(drawn: &DrawnAxis) -> Value {
@@ -336,6 +332,22 @@ fn escape(text: &str) -> String {
         }
     }
     escaped
+}
+
+/// A note as a sentence, with its commands in their own type.
+fn prose(text: &str) -> String {
+    let stop = if text.ends_with(['.', ':', '!', '?']) {
+        ""
+    } else {
+        "."
+    };
+    let text = escape(&capital(text));
+    let parts = text.split('`').enumerate();
+    let marked = parts.map(|(i, part)| match i % 2 {
+        0 => part.to_owned(),
+        _ => format!("<code>{part}</code>"),
+    });
+    marked.collect::<String>() + stop
 }
 
 /// Text for plotly.js, which reads tags and entities in labels.
@@ -518,12 +530,30 @@ mod tests {
             (0..n)
                 .map(|i| Section {
                     heading: format!("h{i}"),
+                    paragraphs: vec!["p".into()],
                     ..Section::default()
                 })
                 .collect()
         };
         assert!(!render(&page(sections(3))).contains("<nav"));
         assert!(render(&page(sections(4))).contains("<a href=\"#section-4\">h3</a>"));
+    }
+
+    #[test]
+    fn a_note_gets_its_capital_its_full_stop_and_its_commands() {
+        let html = prose("run `preslide <this>` first");
+        assert_eq!(html, "Run <code>preslide &lt;this&gt;</code> first.");
+        assert_eq!(prose("Done."), "Done.");
+    }
+
+    #[test]
+    fn what_is_empty_has_no_heading() {
+        let empty = Section {
+            heading: "Empty".into(),
+            tables: vec![Table::default()],
+            ..Section::default()
+        };
+        assert!(!render(&page(vec![empty])).contains("Empty"));
     }
 
     #[test]

@@ -43,7 +43,7 @@ pub struct Page {
     pub lead: String,
     /// The command line that made the page, as typed; printed in the footer with the version.
     pub command: String,
-    /// The body. More than three sections get a table of contents.
+    /// The body, parameters before figures; what is empty is left out. More than three sections get a table of contents.
     pub sections: Vec<Section>,
 }
 
@@ -52,12 +52,29 @@ pub struct Page {
 pub struct Section {
     /// Heading, also the entry in the table of contents.
     pub heading: String,
-    /// Plain text, one paragraph each; escaped, so no mark-up.
+    /// Plain text, one paragraph each, with commands between backticks; gets its capital and its full stop where it has none.
     pub paragraphs: Vec<String>,
     /// Tables, in order.
     pub tables: Vec<Table>,
     /// Figures, in order; numbered through the whole page.
     pub figures: Vec<Figure>,
+}
+
+impl Section {
+    /// What is to be known beside the result: it stands last.
+    pub fn notes(paragraphs: impl IntoIterator<Item = String>) -> Self {
+        Section {
+            heading: "Notes".into(),
+            paragraphs: paragraphs.into_iter().collect(),
+            ..Section::default()
+        }
+    }
+
+    /// Whether it has anything below its heading.
+    fn has_content(&self) -> bool {
+        let rows = self.tables.iter().any(|table| !table.rows.is_empty());
+        rows || !self.paragraphs.is_empty() || !self.figures.is_empty()
+    }
 }
 
 impl Page {

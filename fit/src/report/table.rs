@@ -1,5 +1,9 @@
 //! Tables: the same rows for the page and for the terminal.
 
+use super::display_unit;
+use super::figures::cells;
+use crate::statistics::Estimate;
+
 /// A table of text cells. Rows may be ragged; missing cells are empty.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
@@ -44,6 +48,26 @@ impl Table {
             rows: vec![Vec::new(); of.len()],
         };
         Columns { of, table }
+    }
+
+    /// Parameters by name and unit, each with its interval in the prefix that suits it.
+    pub fn parameters(
+        caption: impl Into<String>,
+        rows: impl IntoIterator<Item = (String, String, Estimate)>,
+    ) -> Table {
+        let row = |(name, unit, known): (String, String, Estimate)| {
+            let reach = known.reach().unwrap_or(0.0);
+            let shown = display_unit(&unit, known.value.abs().max(reach));
+            let [value, from, to] = cells(known.value, known.ci95, shown.factor);
+            vec![name, value, from, to, shown.unit]
+        };
+        Table {
+            caption: caption.into(),
+            head: ["parameter", "value", "95 % from", "to", "unit"]
+                .map(String::from)
+                .to_vec(),
+            rows: rows.into_iter().map(row).collect(),
+        }
     }
 
     /// The table aligned for a terminal, each line ended by a newline.

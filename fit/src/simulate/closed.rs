@@ -10,6 +10,7 @@ use crate::effects::form;
 use crate::friction::Visitor;
 use crate::model::{self, Model};
 use crate::recording::Recording;
+use crate::report::figures::quantity;
 use preslide::control::{Pid, PidGains, PidState, Saturation};
 use preslide::{Friction, Units};
 use serde::Deserialize;
@@ -177,7 +178,8 @@ pub fn motion_in_loop(
 fn notes(model: &Model, recording: &Recording, steps: u32, change: f64) -> Vec<String> {
     let mut notes = vec![
         format!(
-            "In closed loop with {steps} steps a tick; half as many move the position by {change:.1e} of the largest following error"
+            "In closed loop with {steps} steps a tick; half as many move the position by {} of the largest following error",
+            quantity(100.0 * change, "%")
         ),
         "The controller sees the true position and velocity: no encoder, no delay, no feed-forward"
             .to_owned(),
@@ -186,7 +188,9 @@ fn notes(model: &Model, recording: &Recording, steps: u32, change: f64) -> Vec<S
         notes.push("Only the samples before the first gap are simulated".to_owned());
     }
     if model.of(&form::CHANNEL_DELAY).next().is_some() {
-        notes.push("channel_delay is left out: it is the recording's, not the axis's".to_owned());
+        notes.push(
+            "The channel's delay is left out: it is the recording's, not the axis's".to_owned(),
+        );
     }
     notes
 }

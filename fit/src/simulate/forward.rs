@@ -70,8 +70,9 @@ pub fn motion_with_inertia(
     })?;
     let (position, velocity) = settled.motion;
     notes.push(format!(
-        "Forward dynamics with {} steps a sample; half as many move the position by {:.1e} of its travel",
-        settled.steps, settled.change
+        "Forward dynamics with {} steps a sample; half as many move the position by {} of its travel",
+        settled.steps,
+        quantity(100.0 * settled.change, "%")
     ));
     let position_error =
         (measured.len() > given).then(|| position_error(&position, measured, given));

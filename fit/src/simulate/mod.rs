@@ -11,6 +11,7 @@ use crate::effects::Effect;
 use crate::friction::FrictionModel;
 use crate::model::{Measured, Model};
 use crate::recording::{MotionKind, Recording};
+use crate::report::figures::significant;
 use crate::signal::Kinematics;
 use crate::statistics::nmse;
 
@@ -252,8 +253,9 @@ pub fn motion_of_force(
     };
     if let Some(first) = force.first().filter(|f| **f != model.constant_force) {
         simulation.notes.push(format!(
-            "The first force, {first}, less the constant force, {}, acts at once on a body that was never moved",
-            model.constant_force
+            "The first force, {}, less the constant force, {}, acts at once on a body that was never moved",
+            significant(*first),
+            significant(model.constant_force)
         ));
     }
     let mut position = 0.0;

@@ -3,7 +3,7 @@
 use super::Simulation;
 use crate::model::{Model, keys_of};
 use crate::recording::MotionKind;
-use crate::report::figures::{quantity, range as range_of};
+use crate::report::figures::{capital, ends, left, quantity, range as range_of};
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -13,6 +13,13 @@ impl Simulation {
         match self.kind {
             MotionKind::Linear => ("m", "N"),
             MotionKind::Rotary => ("rad", "N·m"),
+        }
+    }
+
+    fn effort(&self) -> &'static str {
+        match self.kind {
+            MotionKind::Linear => "force",
+            MotionKind::Rotary => "torque",
         }
     }
 
@@ -73,8 +80,9 @@ impl Simulation {
     pub fn table(&self) -> Table {
         let (x, f) = self.units();
         let row = |name: &str, values: &[f64], unit: &str| {
-            let ends = range(values).map(|end| quantity(end, unit));
-            [vec![name.to_owned()], Vec::from(ends)].concat()
+            let [low, high] = range(values);
+            let (low, high, unit) = ends(low, high, unit);
+            vec![name.to_owned(), low, high, unit]
         };
         let mut rows = vec![
             row("time", &self.t_s, "s"),
@@ -83,14 +91,12 @@ impl Simulation {
         if let Some(velocity) = &self.velocity {
             rows.push(row("velocity", velocity, &format!("{x}/s")));
         }
-        let effort = match self.kind {
-            MotionKind::Linear => "force",
-            MotionKind::Rotary => "torque",
-        };
-        rows.push(row(effort, &self.force, f));
+        rows.push(row(self.effort(), &self.force, f));
         Table {
             caption: format!("{} samples", self.t_s.len()),
-            head: ["", "lowest", "highest"].map(str::to_owned).to_vec(),
+            head: ["", "lowest", "highest", "unit"]
+                .map(str::to_owned)
+                .to_vec(),
             rows,
         }
     }
@@ -114,30 +120,31 @@ impl Simulation {
         }
         if let Some(error) = self.position_error {
             return format!(
-                "The simulated motion is {} RMSE from the measured one ({:.4} % of its variance), {} in mean magnitude, from {} given samples on.",
+                "The simulated motion is {} RMSE from the measured one ({} of its variance), {} in mean magnitude, from {} given samples on.",
                 quantity(error.rmse, x),
-                error.nmse,
+                left(error.nmse),
                 quantity(error.mean_abs, x),
                 error.given
             );
         }
         match (&self.agreement, self.breakaway) {
             (Some(a), _) => format!(
-                "The model leaves {:.3} % of the measured effort's variance (NMSE), {} RMS.",
-                a.nmse,
+                "The model leaves {} of the measured effort's variance (NMSE), {} RMS.",
+                left(a.nmse),
                 quantity(a.rms, f)
             ),
             (None, Some(b)) => format!(
-                "breakaway: at {:.4} s and {} friction no longer holds the force and the body slides away; keep the force below that, or give the model an inertia to simulate the slide too",
-                b.time_s,
+                "breakaway: at {} and {} friction no longer holds the force and the body slides away; keep the force below that, or give the model an inertia to simulate the slide too",
+                quantity(b.time_s, "s"),
                 quantity(b.force, f)
             ),
             (None, None) => {
                 let [low, high] = range(&self.position);
                 let [least, most] = range(&self.force);
                 format!(
-                    "The motion covers {}, the force {}.",
+                    "The motion covers {}, the {} {}.",
                     range_of(low, high, x),
+                    self.effort(),
                     range_of(least, most, f)
                 )
             }
@@ -153,12 +160,15 @@ impl Simulation {
             title: format!("Simulation of {name}"),
             lead: self.conclusion(),
             command,
-            sections: vec![Section {
-                heading: "Simulation".to_owned(),
-                paragraphs: self.notes.iter().map(|note| format!("{note}.")).collect(),
-                tables: vec![self.table()],
-                figures,
-            }],
+            sections: vec![
+                Section {
+                    heading: "Simulation".to_owned(),
+                    tables: vec![self.table()],
+                    figures,
+                    ..Section::default()
+                },
+                Section::notes(self.notes.clone()),
+            ],
         }
     }
 
@@ -170,7 +180,7 @@ impl Simulation {
             None => (None, &self.force),
         };
         let figure = |title: &str, abscissa: Axis, values: &[f64]| {
-            let mut figure = Figure::new(title, abscissa, Axis::new("force", f));
+            let mut figure = Figure::new(title, abscissa, Axis::new(self.effort(), f));
             if let Some(measured) = measured {
                 figure = figure.with(
                     Series::line("measured", values.to_vec(), measured.clone())
@@ -185,11 +195,15 @@ impl Simulation {
         };
         [
             figure(
-                "Force–displacement",
-                Axis::new("displacement", x),
+                &capital(&format!("{} over position", self.effort())),
+                Axis::new("position", x),
                 &self.position,
             ),
-            figure("Force over time", Axis::new("time", "s"), &self.t_s),
+            figure(
+                &capital(&format!("{} over time", self.effort())),
+                Axis::new("time", "s"),
+                &self.t_s,
+            ),
         ]
     }
 

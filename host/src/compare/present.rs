@@ -5,7 +5,7 @@ use preslide_fit::friction::FrictionModel;
 use preslide_fit::identify::family::bench::SEED;
 use preslide_fit::model::keys_of;
 use preslide_fit::recording::Recording;
-use preslide_fit::report::figures::quantity;
+use preslide_fit::report::figures::{quantity, significant};
 use preslide_fit::report::units::name_and_unit;
 use preslide_fit::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
 use serde_json::{Value, json};
@@ -36,7 +36,11 @@ impl Compared {
                 }
                 Value::Array(items) => {
                     let items: Vec<String> = items.iter().map(|i| words(i, effort)).collect();
-                    Some(format!("{key} ({})", items.join("; ")))
+                    let items = items.join("; ");
+                    Some(match key.as_str() {
+                        "effects" => items,
+                        key => format!("{key} ({items})"),
+                    })
                 }
                 Value::Object(_) => Some(words(value, effort)),
                 _ => None,
@@ -90,7 +94,7 @@ impl Comparison {
             false => format!(
                 "{} ({} %, {}{})",
                 m.name(),
-                percent(m.candidate.nmse_test),
+                significant(m.candidate.nmse_test),
                 m.loops_in_words(),
                 cycles(m)
             ),
@@ -167,14 +171,17 @@ impl Comparison {
             self.models.iter().enumerate(),
         )
         .column("model", |(i, m)| format!("{}{}", m.name(), mark(*i)))
-        .column("train", |(_, m)| percent(m.candidate.nmse_train))
-        .column("held out", |(_, m)| percent(m.candidate.nmse_test))
+        .column("train", |(_, m)| significant(m.candidate.nmse_train))
+        .column("held out", |(_, m)| significant(m.candidate.nmse_test))
         .column("parameters", |(_, m)| {
             m.candidate.fitted_parameters().to_string()
         })
         .column("loop closure", |(_, m)| quantity(m.memory.largest, unit))
         .column("of range", |(_, m)| match m.memory.range > 0.0 {
-            true => quantity(100.0 * m.memory.largest / m.memory.range, "%"),
+            true => format!(
+                "{} %",
+                significant(100.0 * m.memory.largest / m.memory.range)
+            ),
             false => "–".to_owned(),
         })
         .column("memory", |(_, m)| m.memory_in_words().to_owned())
@@ -222,7 +229,7 @@ impl Comparison {
             "{} Inertia, viscous part and offset are fitted beside every model.",
             self.identification.measure()
         );
-        let warnings = recording.warnings.iter().map(ToString::to_string);
+        let warnings = recording.warnings.iter().map(|w| w.message.clone());
         Page {
             title: format!("Friction models on {}", recording.name),
             lead: self.recommendation(),
@@ -241,12 +248,7 @@ impl Comparison {
                     vec!["A model has non-local memory when every inner loop closes to rounding (1e-9 of the force's range). Coulomb friction has nothing to remember, hence its zeros.".to_owned()],
                 ),
                 section("What the models leave", Vec::new(), vec![residuals], Vec::new()),
-                section(
-                    "Notes",
-                    Vec::new(),
-                    Vec::new(),
-                    warnings.chain(self.notes.iter().cloned()).collect(),
-                ),
+                Section::notes(warnings.chain(self.notes.iter().cloned())),
             ],
         }
     }
@@ -326,10 +328,10 @@ impl Comparison {
         );
         let mut costs = Figure::new(
             "Error against cost",
-            Axis::new("cycles that a control tick grows by, f32, Cortex-M4F", ""),
+            Axis::new("cycles in a control tick", ""),
             Axis::new("error (NMSE), held out", "%").log(),
         )
-        .note("Models without a measured kernel are missing here.");
+        .note("What a tick in f32 on a Cortex-M4F grows by. Models without a measured kernel are missing here.");
         for m in &self.models {
             let point = |at: f64| {
                 Series::line(m.name(), vec![at], vec![m.candidate.nmse_test]).style(Style::Points)
@@ -363,14 +365,4 @@ fn last_strokes(recording: &Recording, rows: &[usize]) -> Vec<usize> {
         .copied()
         .filter(|&i| kept.contains(&recording.segment[i]))
         .collect()
-}
-
-/// Three significant digits or more.
-fn percent(value: f64) -> String {
-    match value {
-        v if v >= 10.0 => format!("{v:.1}"),
-        v if v >= 1.0 => format!("{v:.2}"),
-        v if v >= 0.001 => format!("{v:.4}"),
-        v => format!("{v:.2e}"),
-    }
 }

@@ -45,9 +45,7 @@ impl Diagnosis {
             (Verdict::MissingPhysics | Verdict::ParametersDiffer, _)
                 if self.missing().next().is_some() =>
             {
-                let mut each: Vec<String> = self.missing().map(|e| self.advice(e, recording)).collect();
-                each.dedup();
-                each.join(" Also: ")
+                self.advice_on_missing(recording)
             }
             (Verdict::ParametersDiffer, _) => self.correct(recording),
             (Verdict::InsufficientData, _) => "record strokes over the whole travel at several speeds, in both directions, with the effort of the motor (`preslide diagnose … --experiment motion.csv` writes such a motion).".to_owned(),
@@ -79,6 +77,23 @@ impl Diagnosis {
             false => (advice, self.correct(recording)),
         };
         format!("Recommendation: {first} Also: {then}")
+    }
+
+    /// What all that is missing asks for, the additions in one sentence.
+    fn advice_on_missing(&self, recording: &Recording) -> String {
+        let add = format!("add to the {}: ", self.model_word());
+        let (mut added, mut each) = (Vec::new(), Vec::new());
+        for advice in self.missing().map(|e| self.advice(e, recording)) {
+            match advice.strip_prefix(&add) {
+                Some(one) => added.push(one.trim_end_matches('.').to_owned()),
+                None => each.push(advice),
+            }
+        }
+        each.dedup();
+        if !added.is_empty() {
+            each.insert(0, format!("{add}{}.", added.join("; ")));
+        }
+        each.join(" Also: ")
     }
 
     /// What a confident effect asks for.

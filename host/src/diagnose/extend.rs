@@ -9,9 +9,10 @@ use super::term::Term;
 use super::verdict::{Diagnosis, Extended};
 use super::weak::Column;
 use preslide_fit::friction::{FrictionModel, MOST_BLOCKS};
-use preslide_fit::model::Model;
+use preslide_fit::model::{Model, key_of};
 use preslide_fit::recording::Recording;
-use preslide_fit::report::figures::three;
+use preslide_fit::report::figures::quantity;
+use preslide_fit::report::units::name_and_unit;
 use preslide_fit::simulate::force_of_motion;
 
 /// NMSE on rows held out, over that of the refitted core, up to which the user's own friction law stays: more is a hysteresis that it does not
@@ -74,7 +75,7 @@ impl Diagnosis {
             let left = nmse(&written.model)? + optimism.max(0.0);
             Some(Candidate { written, left })
         };
-        let own = self.on_their_own(state, given.model.clone(), user);
+        let own = self.on_their_own(state, given.model.clone(), user, recording.effort_unit());
         let own = candidate(own, given.refitted.test - given.refitted.train);
         let core = candidate(core, self.extended.test - self.extended.train);
         let wrong_shape = self.confident().any(|e| matches!(e.name, Name::Hysteresis));
@@ -97,7 +98,13 @@ impl Diagnosis {
     }
 
     /// The confident effects on the user's own friction law, its parameters refitted.
-    fn on_their_own(&self, state: &Hypothesis, mut model: Model, user: &Model) -> Extended {
+    fn on_their_own(
+        &self,
+        state: &Hypothesis,
+        mut model: Model,
+        user: &Model,
+        effort: &str,
+    ) -> Extended {
         let mut refused = Vec::new();
         let in_fit = |term: &Term| {
             let mut own = self.effects.iter().filter(|e| e.in_fit);
@@ -108,7 +115,7 @@ impl Diagnosis {
         }
         self.enter_channel(&mut model, &mut refused);
         Extended {
-            replaces: changes(user, &model),
+            replaces: changes(user, &model, effort),
             model,
             refused,
             is_as_given: false,
@@ -171,12 +178,13 @@ impl Diagnosis {
             enter(null, state, index, &mut model, &mut refused);
         }
         self.enter_channel(&mut model, &mut refused);
-        let mut replaces = user.map(|u| changes(u, &model)).unwrap_or_default();
+        let effort = recording.effort_unit();
+        let mut replaces = user.map(|u| changes(u, &model, effort)).unwrap_or_default();
         if let Some(user) = user {
             replaces.push(format!(
-                "the friction {} by {} Maxwell-slip blocks",
-                user.friction.kind(),
-                model.friction.blocks().len()
+                "{} by a finer hysteresis, {} (`preslide tune` chooses fewer blocks)",
+                user.friction.name(),
+                model.friction.name()
             ));
         }
         Extended {
@@ -219,17 +227,28 @@ fn as_given(user: &Model) -> Extended {
 }
 
 /// The numbers of a model that another one has otherwise.
-fn changes(user: &Model, model: &Model) -> Vec<String> {
+fn changes(user: &Model, model: &Model, effort: &str) -> Vec<String> {
     let level = |m: &Model| m.friction.breakaway().unwrap_or(0.0);
     let pairs = [
-        ("inertia", user.inertia, model.inertia),
-        ("friction level", level(user), level(model)),
-        ("viscous friction", user.viscous, model.viscous),
-        ("constant force", user.constant_force, model.constant_force),
+        ("mass_kg", user.inertia, model.inertia),
+        ("breakaway_N", level(user), level(model)),
+        ("viscous_N_s_per_m", user.viscous, model.viscous),
+        (
+            "constant_force_N",
+            user.constant_force,
+            model.constant_force,
+        ),
     ];
     let changed = pairs.into_iter().filter(|(_, from, to)| from != to);
     let mut changed: Vec<String> = changed
-        .map(|(what, from, to)| format!("{what} {} by {}", three(from), three(to)))
+        .map(|(key, from, to)| {
+            let (name, unit) = name_and_unit(&key_of(model.motion, key), effort);
+            format!(
+                "{name} {} by {}",
+                quantity(from, &unit),
+                quantity(to, &unit)
+            )
+        })
         .collect();
     if model.viscous < 0.0 && user.viscous >= 0.0 {
         changed.push("a friction that does not fall with speed by one that does: do not use it beyond the speeds of the recording".to_owned());

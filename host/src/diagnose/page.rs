@@ -11,7 +11,7 @@ use super::term::Subject;
 use super::unnamed::Happened;
 use super::verdict::Diagnosis;
 use preslide_fit::recording::Recording;
-use preslide_fit::report::figures::{between, capital, quantity};
+use preslide_fit::report::figures::{between, capital, quantity, range, times};
 use preslide_fit::report::units::symbol;
 use preslide_fit::report::{self, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
 use preslide_fit::statistics::{bounds, quantile_between_ranks};
@@ -57,7 +57,7 @@ impl SecondPosition {
                 self.column,
                 quantity(period, unit)
             ),
-            report::Axis::new("position from the last multiple of the period", unit),
+            report::Axis::new("position within the period", unit),
             report::Axis::new("difference", unit),
         )
         .with(Series::points("mean there", place, mean).colour(Colour::Sky))
@@ -72,28 +72,25 @@ impl Diagnosis {
             title: format!("Diagnosis of {}", recording.name),
             lead: format!(
                 "{}. {}",
-                self.verdict_words(recording),
+                capital(&self.verdict_clause(recording)),
                 self.recommendation(recording)
             ),
             command,
-            sections: [
-                self.budget_section(recording),
-                self.located(recording),
-                self.missing_section(recording),
-            ]
-            .into_iter()
-            .chain(self.given_section(recording))
-            .chain(self.fit_section(recording))
-            .chain(self.second_position(recording))
-            .chain([
-                self.maps(recording),
-                Section {
-                    heading: "What this recording cannot show".to_owned(),
-                    paragraphs: self.lacks.iter().map(Lack::words).collect(),
-                    ..Section::default()
-                },
-            ])
-            .collect(),
+            sections: [self.budget_section(recording)]
+                .into_iter()
+                .chain(self.given_section(recording))
+                .chain(self.fit_section(recording))
+                .chain([self.located(recording), self.missing_section(recording)])
+                .chain(self.second_position(recording))
+                .chain([
+                    self.maps(recording),
+                    Section {
+                        heading: "What this recording cannot show".to_owned(),
+                        paragraphs: self.lacks.iter().map(Lack::words).collect(),
+                        ..Section::default()
+                    },
+                ])
+                .collect(),
         }
     }
 
@@ -101,7 +98,7 @@ impl Diagnosis {
     fn given_section(&self, recording: &Recording) -> Option<Section> {
         Some(Section {
             heading: "Your model".to_owned(),
-            paragraphs: vec![format!("{}.", capital(&self.given_words()?))],
+            paragraphs: vec![self.given_words()?],
             tables: self.given_table(recording).into_iter().collect(),
             ..Section::default()
         })
@@ -112,7 +109,11 @@ impl Diagnosis {
         let besides = [self.in_fit_words(recording), self.possible_words(recording)];
         Section {
             heading: "What explains the mismatch".to_owned(),
-            paragraphs: besides.into_iter().flatten().map(|w| w + ".").collect(),
+            paragraphs: self
+                .remarks(recording)
+                .into_iter()
+                .chain(besides.into_iter().flatten())
+                .collect(),
             tables: vec![self.budget_table(recording)],
             ..Section::default()
         }
@@ -120,10 +121,9 @@ impl Diagnosis {
 
     /// The fit that every command reports.
     fn fit_section(&self, recording: &Recording) -> Option<Section> {
-        let fit = self.fit_words(recording)?;
         Some(Section {
             heading: "The fit".to_owned(),
-            paragraphs: vec![format!("{}.", capital(&fit))],
+            paragraphs: vec![self.fit_words(recording)?],
             ..Section::default()
         })
     }
@@ -133,10 +133,7 @@ impl Diagnosis {
         let all = &self.second_positions;
         (!all.is_empty()).then(|| Section {
             heading: "The second position".to_owned(),
-            paragraphs: all
-                .iter()
-                .map(|p| format!("{}.", p.words(recording)))
-                .collect(),
+            paragraphs: all.iter().map(|p| p.words(recording)).collect(),
             figures: all.iter().flat_map(|p| p.figures(recording)).collect(),
             ..Section::default()
         })
@@ -170,10 +167,10 @@ impl Diagnosis {
         let (axis, odd, place) = self.organiser();
         let mut paragraphs: Vec<String> = self
             .missing()
-            .map(|e| format!("{}.", self.sentence(e, recording)))
+            .map(|e| self.sentence(e, recording))
             .collect();
         let nameless = self.nameless().map(|u| u.words(self, recording));
-        paragraphs.extend(nameless.map(|words| format!("Without a name: {words}.")));
+        paragraphs.extend(nameless.map(|words| format!("Without a name: {words}")));
         if paragraphs.is_empty() {
             paragraphs.push("No stretch of any coordinate stands out from the noise.".to_owned());
         }
@@ -188,7 +185,7 @@ impl Diagnosis {
             .collect();
         let reproduced = self.reproduced.as_ref().map(|r| r.words(recording));
         let notes = reproduced.into_iter().chain(recording.per_unit());
-        paragraphs.extend(notes.map(|words| format!("Note: {words}.")));
+        paragraphs.extend(notes.map(|words| format!("Note: {words}")));
         Section {
             heading: "Where model and recording differ".to_owned(),
             paragraphs,
@@ -322,7 +319,7 @@ impl Diagnosis {
                 .iter()
                 .map(|(key, ratio)| {
                     let name = effect::by_id(key).map_or(key.as_str(), |e| e.name());
-                    format!("{name} {:.0} %", 100.0 * ratio)
+                    format!("{name} {}", times(*ratio))
                 })
                 .collect();
             format!(
@@ -333,8 +330,8 @@ impl Diagnosis {
             )
         });
         let intro = format!(
-            "NMSE is the squared error over the variance of the whole measured effort after averaging with a kernel of ±{:.1} ms; test figures come from {} stretches of the recording held out in turn. Decisions compare {} stretches with equal shares of the moving time and of the path. Rest ({:.0} % of the samples) and the beginning of each recording, until friction's state is known, are left out.",
-            1e3 * rows.weak.half_width_s,
+            "NMSE is the squared error over the variance of the whole measured effort after averaging with a kernel of ±{}; test figures come from {} stretches of the recording held out in turn. Decisions compare {} stretches with equal shares of the moving time and of the path. Rest ({:.0} % of the samples) and the beginning of each recording, until friction's state is known, are left out.",
+            quantity(rows.weak.half_width_s, "s"),
             rows.weak.folds.len(),
             rows.blocks.len(),
             100.0 * rows.at_rest
@@ -362,7 +359,7 @@ impl Diagnosis {
         Figure::new(
             "Force–displacement loops of the last stretch",
             report::Axis::new("position", recording.position_unit()),
-            report::Axis::new("effort, averaged by the kernel", unit_of(recording)),
+            report::Axis::new("effort, averaged", unit_of(recording)),
         )
         .with(
             Series::line("measured", x.clone(), rows.force[shown.clone()].to_vec())
@@ -435,8 +432,8 @@ impl Diagnosis {
             let (i, j) = (c / CELLS, c % CELLS);
             let n = sums[c].2 as f64;
             vec![
-                between(edge(i, bx), edge(i + 1, bx), unit),
-                between(edge(j, bv), edge(j + 1, bv), &format!("{unit}/s")),
+                range(edge(i, bx), edge(i + 1, bx), unit),
+                range(edge(j, bv), edge(j + 1, bv), &format!("{unit}/s")),
                 quantity(sums[c].0 / n, unit_of(recording)),
                 quantity(sums[c].1 / n, unit_of(recording)),
             ]

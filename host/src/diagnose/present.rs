@@ -8,12 +8,11 @@ use super::place::Place;
 use super::second_position::SecondPosition;
 use super::unnamed::Unknown;
 use super::verdict::Diagnosis;
-use super::words::ids;
 use preslide_fit::effects::form;
 use preslide_fit::model::{key_of, keys_of};
 use preslide_fit::recording::Recording;
 use preslide_fit::report::Table;
-use preslide_fit::report::figures::probability;
+use preslide_fit::report::figures::{capital, left, probability};
 use serde_json::{Map, Value, json};
 
 impl SecondPosition {
@@ -139,12 +138,12 @@ impl Diagnosis {
             let differs = if p.differs { "differs" } else { "" };
             let mut cells =
                 Vec::from(p.words(recording.effort_unit(), self.written_of(p, recording)));
-            cells.extend([format!("{:.3}", p.worth), differs.to_owned()]);
+            cells.extend([left(p.worth), differs.to_owned()]);
             cells
         };
         Some(Table {
-            caption: "Parameters of the model, given, refitted on its own law, and as -o writes them; worth: what the difference alone leaves, % of the variance".to_owned(),
-            head: ["parameter", "given", "refitted", "-o", "worth %", ""]
+            caption: "Parameters of the model, given, refitted on its own law, and as -o writes them; worth: what the difference alone leaves of the variance".to_owned(),
+            head: ["parameter", "given", "refitted", "-o", "worth", ""]
                 .map(String::from)
                 .to_vec(),
             rows: given.parameters.iter().map(row).collect(),
@@ -158,9 +157,9 @@ impl Diagnosis {
                 parameter(&key_of(recording.kind, key), p, recording.effort_unit())
             });
             let parameters: Vec<String> = parameters.collect();
-            let nmse = |v: f64| finite(v).map_or("–".to_owned(), |v| format!("{v:.3}"));
+            let nmse = |v: f64| finite(v).map_or("–".to_owned(), left);
             vec![
-                e.id().to_owned(),
+                capital(&e.called(recording)),
                 match e.confident && e.in_fit {
                     true => "in the fit".to_owned(),
                     false => e.level().to_owned(),
@@ -171,7 +170,11 @@ impl Diagnosis {
                 nmse(e.nmse_test[0]),
                 nmse(e.nmse_test[1]),
                 parameters.join(", "),
-                ids(&e.ambiguous),
+                e.ambiguous
+                    .iter()
+                    .map(|a| a.name())
+                    .collect::<Vec<_>>()
+                    .join(", "),
             ]
         };
         Table {
@@ -188,7 +191,7 @@ impl Diagnosis {
                 "confidence",
                 "share %",
                 "z",
-                "NMSE % without",
+                "NMSE without",
                 "with",
                 "parameters",
                 "as likely",

@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::channel::FREQUENCY;
-use super::effect::{Effect, Line, actuator_saturation::READING};
+use super::effect::{Line, actuator_saturation::READING};
 use super::given::{Given, Refitted};
 use super::hysteresis;
 use super::named::{Name, Named};
@@ -12,7 +12,7 @@ use super::unnamed::Unknown;
 use super::verdict::{Diagnosis, Verdict};
 use preslide_fit::recording::Recording;
 use preslide_fit::report::figures::{
-    between, capital, duration, estimate, left, percent, probability, quantity,
+    between, capital, duration, estimate, left, percent, probability, quantity, times,
 };
 use preslide_fit::report::units::name_and_unit;
 use preslide_fit::statistics::quantile_between_ranks;
@@ -209,22 +209,30 @@ fn size(found: &Diagnosis, effect: &Named, recording: &Recording) -> String {
     }
     let large = quantile_between_ranks(&force.iter().map(|f| f.abs()).collect::<Vec<_>>(), 0.98);
     let level = found.null.baseline.level;
-    let of_level = percent(large / level.max(1e-300));
+    let share = large / level.max(1e-300);
+    let differs = |way: &str| match share < 1.0 {
+        true => format!(
+            "friction is up to {} {way}, in both directions",
+            percent(share)
+        ),
+        false => format!(
+            "friction is off by up to {} its level, in both directions",
+            times(share)
+        ),
+    };
     let unit = recording.effort_unit();
     // What shakes it in time knows no direction.
     let shakes = matches!(effect.name, Name::Entry(e) if e.line() == Some(Line::Time));
     match found.side(force).filter(|_| !shakes) {
-        Some(side) if side > 0.0 => {
-            format!("friction is up to {of_level} higher, in both directions")
-        }
-        Some(_) => format!("friction is up to {of_level} lower, in both directions"),
+        Some(side) if side > 0.0 => differs("higher"),
+        Some(_) => differs("lower"),
         None if !shakes
             && effect
                 .places
                 .first()
                 .is_some_and(|p| found.flips(p.axis, force)) =>
         {
-            format!("friction is up to {of_level} higher or lower, in both directions")
+            differs("higher or lower")
         }
         None => format!("a force of up to {} acts", quantity(large, unit)),
     }
@@ -312,6 +320,18 @@ impl Diagnosis {
 
     /// The verdict itself, and what is to be said beside it.
     fn verdict_clauses(&self, recording: &Recording) -> Vec<String> {
+        let in_fit: Vec<&str> = self.in_fit().map(|e| e.name()).collect();
+        let in_fit = (!in_fit.is_empty()).then(|| format!("in the fit: {}", in_fit.join(", ")));
+        let nameless = self.nameless().map(|u| u.words(self, recording));
+        std::iter::once(self.verdict_clause(recording))
+            .chain(in_fit)
+            .chain(self.remarks(recording))
+            .chain(nameless.map(|words| format!("without a name: {words}")))
+            .collect()
+    }
+
+    /// The verdict in a clause.
+    pub(super) fn verdict_clause(&self, recording: &Recording) -> String {
         let between = self.unrepeated.filter(|u| *u > 0.0);
         let between = between.map_or(String::new(), |u| {
             format!(", {} varying between repeats", left(u))
@@ -322,7 +342,7 @@ impl Diagnosis {
             left(self.extended.test),
             left(self.noise_floor)
         );
-        let verdict = match self.verdict {
+        match self.verdict {
             Verdict::Consistent if self.null.core.corrects => format!(
                 "consistent: no difference larger than {} of the variance ({figures})",
                 left(self.baseline.test.max(self.null.rows.missed))
@@ -335,7 +355,7 @@ impl Diagnosis {
             Verdict::ParametersDiffer if self.null.core.corrects => {
                 let names: Vec<&str> = self.missing().map(|e| e.name()).collect();
                 format!(
-                    "parameters-differ: no physics is named, but the simulation's {} not the recording's ({figures})",
+                    "parameters differ: no physics is named, but the simulation's {} not the recording's ({figures})",
                     match names.as_slice() {
                         [one] => format!("{one} is"),
                         many => format!("{} are", many.join(", ")),
@@ -346,7 +366,7 @@ impl Diagnosis {
                 let wrong = self.wrong();
                 let names: Vec<String> = wrong.map(|p| name_and_unit(&p.key, "").0).collect();
                 format!(
-                    "parameters-differ: no physics is named, but {} ({figures})",
+                    "parameters differ: no physics is named, but {} ({figures})",
                     match names.as_slice() {
                         [one] => format!("{one} is wrong"),
                         many => format!("{} are wrong", many.join(", ")),
@@ -355,42 +375,36 @@ impl Diagnosis {
             }
             Verdict::MissingPhysics => {
                 let names: Vec<String> = self.missing().map(|e| e.called(recording)).collect();
-                format!("missing-physics: {} ({figures})", names.join(", "))
+                format!("missing physics: {} ({figures})", names.join(", "))
             }
             Verdict::UnknownPhysics if self.unknown().is_none() => format!(
-                "unknown-physics: {} of the variance is neither noise nor in the catalogue ({figures})",
+                "unknown physics: {} of the variance is neither noise nor in the catalogue ({figures})",
                 left(self.not_explained())
             ),
-            Verdict::UnknownPhysics => format!("unknown-physics ({figures})"),
+            Verdict::UnknownPhysics => format!("unknown physics ({figures})"),
             Verdict::InsufficientData if self.doubt.is_some() => format!(
-                "insufficient-data: {}; record strokes at several speeds, sampled fast enough to see them ({figures})",
+                "insufficient data: {}; record strokes at several speeds, sampled fast enough to see them ({figures})",
                 self.doubt.as_deref().unwrap_or_default()
             ),
             Verdict::InsufficientData => format!(
-                "insufficient-data: the best model leaves {:.0} % of the variance on stretches held out, and nothing in the catalogue explains it ({figures})",
+                "insufficient data: the best model leaves {:.0} % of the variance on stretches held out, and nothing in the catalogue explains it ({figures})",
                 self.extended.test
             ),
-        };
-        let mut clauses = vec![verdict];
+        }
+    }
+
+    /// What is to be said of the model beside the verdict, a clause each.
+    pub(super) fn remarks(&self, recording: &Recording) -> Vec<String> {
+        let mut clauses = Vec::new();
         let wrong = self.wrong();
         let wrong: Vec<String> = wrong.map(|p| name_and_unit(&p.key, "").0).collect();
         if !wrong.is_empty() && self.verdict != Verdict::ParametersDiffer {
             clauses.push(format!("wrong in the model: {}", wrong.join(", ")));
         }
-        let in_fit: Vec<&str> = self.in_fit().map(|e| e.name()).collect();
-        if !in_fit.is_empty() {
-            clauses.push(format!("in the fit: {}", in_fit.join(", ")));
-        }
         clauses.extend(self.other_law(recording));
         clauses.extend(self.too_soft());
         if self.null.core.follows_velocity() {
             clauses.push("friction reverses smoothly over the slowest speeds, as tanh(v/v0), not along the path: hysteresis alone, GMS's too, would leave most of the mismatch".to_owned());
-        }
-        for unknown in self.nameless() {
-            clauses.push(format!(
-                "without a name: {}",
-                unknown.words(self, recording)
-            ));
         }
         if let Some(wanders) = self.unnamed.iter().find(|u| u.wanders && u.is_sure()) {
             let axis = wanders.axis.name(&self.null.rows.s);
@@ -496,10 +510,4 @@ impl Diagnosis {
         let effects = self.effects.iter();
         effects.filter(move |e| !e.in_fit && e.confidence >= WORTH_A_WORD && !hidden(e.id()))
     }
-}
-
-/// Ids of effects, for a table.
-pub fn ids(effects: &[&'static dyn Effect]) -> String {
-    let ids: Vec<&str> = effects.iter().map(|e| e.id()).collect();
-    ids.join(", ")
 }

@@ -1,6 +1,8 @@
 //! What changed of an axis against its own history, and what of that is an alarm.
 
 use super::Row;
+use preslide_fit::report::figures::within;
+use preslide_fit::report::units::name_and_unit;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Fewest earlier recordings that say how much a parameter differs from one to the next.
@@ -80,20 +82,18 @@ fn change(earlier: &[Row], row: &Row, key: &str) -> Option<Change> {
 }
 
 impl Change {
-    /// `+12.0 ± 3.1 %`; of what may as well be none in its own unit.
-    pub fn size(&self) -> String {
-        match self.usual.abs() > self.reach {
+    /// The parameter for people, and `+12.0 ± 3.1 %`; of what may as well be none in its own unit, of an effort in such a unit.
+    pub fn words(&self, effort: &str) -> [String; 2] {
+        let (name, unit) = name_and_unit(&self.parameter, effort);
+        let sign = if self.by > 0.0 { "+" } else { "" };
+        let size = match self.usual.abs() > self.reach {
             true => {
                 let percent = 100.0 / self.usual.abs();
-                format!("{:+.1} ± {:.1} %", percent * self.by, percent * self.reach)
+                within(percent * self.by, percent * self.reach, "%")
             }
-            false => format!("{:+.2e} ± {:.1e}", self.by, self.reach),
-        }
-    }
-
-    /// The same with the parameter.
-    pub fn words(&self) -> String {
-        format!("{} {}", self.parameter, self.size())
+            false => within(self.by, self.reach, &unit),
+        };
+        [name, format!("{sign}{size}")]
     }
 }
 
@@ -158,7 +158,7 @@ mod tests {
             "{last:?}"
         );
         let percent = 100.0 * last[0].by / last[0].usual;
-        assert!((8.0..22.0).contains(&percent), "{}", last[0].words());
+        assert!((8.0..22.0).contains(&percent), "{}", last[0].parameter);
         assert!(!last[1].alarm, "{last:?}");
     }
 

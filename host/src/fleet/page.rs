@@ -34,12 +34,13 @@ pub fn table(ranked: &[(&Row, &Change)], most: usize) -> Table {
         false => String::new(),
     };
     let chance = |chance: f64| match chance < 1e-4 {
-        true => format!("{chance:.0e}"),
+        true => "< 0.0001".to_owned(),
         false => format!("{chance:.4}"),
     };
+    let words = |(row, change): &(&Row, &Change)| change.words(row.effort());
     Table::of(format!(
             "The newest recording of each axis against those before it, the surest change first{left_out}"
-        ), ranked.iter().take(most)).column("axis", |(row, _)| row.axis.clone()).column("parameter", |(_, change)| change.parameter.clone()).column("change", |(_, change)| change.size()).column("by chance", |(_, change)| chance(change.chance)).column("", |(_, change)| {
+        ), ranked.iter().take(most)).column("axis", |(row, _)| row.axis.clone()).column("parameter", |told| { let [name, _] = words(told); name }).column("change", |told| { let [_, size] = words(told); size }).column("by chance", |(_, change)| chance(change.chance)).column("", |(_, change)| {
                 if change.alarm { "alarm" } else { "" }.to_owned()
             }).table()
 }
@@ -131,10 +132,13 @@ fn history(rows: &[Row], newest: &Row, change: &Change) -> Figure {
         Some((i as f64 + 1.0, *value))
     });
     let (number, value): (Vec<f64>, Vec<f64>) = told.unzip();
-    let effort = newest.effort_unit.as_deref().unwrap_or_default();
-    let (label, unit) = name_and_unit(&change.parameter, effort);
+    let (label, unit) = name_and_unit(&change.parameter, newest.effort());
     Figure {
-        title: format!("{}: {}", newest.axis, change.words()),
+        title: format!(
+            "{}: {}",
+            newest.axis,
+            change.words(newest.effort()).join(" ")
+        ),
         x: Axis {
             label: "recording, counted".to_owned(),
             ..Axis::default()

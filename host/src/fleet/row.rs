@@ -60,6 +60,11 @@ pub enum Depth {
 }
 
 impl Row {
+    /// Unit of its effort, where it was read.
+    pub fn effort(&self) -> &str {
+        self.effort_unit.as_deref().unwrap_or_default()
+    }
+
     /// Loads and judges a recording. Whatever goes wrong is the row's error: nothing of one recording stops the others.
     pub fn of(
         member: &Member,

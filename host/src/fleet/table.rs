@@ -46,9 +46,6 @@ pub fn columns(rows: &[Row], changes: &[Vec<Change>]) -> Vec<Column> {
     add("file", texts(&|r| Some(r.file.clone())));
     add("modified_s", numbers(&|r| Some(r.modified_s)));
     add("error", texts(&|r| r.error.clone()));
-    let of_changes = |of: &dyn Fn(&[Change]) -> Option<String>| {
-        Cells::Texts(changes.iter().map(|c| of(c)).collect())
-    };
     add(
         "alarm",
         Cells::Flags(
@@ -60,10 +57,19 @@ pub fn columns(rows: &[Row], changes: &[Vec<Change>]) -> Vec<Column> {
     );
     add(
         "changed",
-        of_changes(&|own| {
-            let told: Vec<String> = own.iter().filter(|c| c.alarm).map(Change::words).collect();
-            list(&told)
-        }),
+        Cells::Texts(
+            rows.iter()
+                .zip(changes)
+                .map(|(row, own)| {
+                    let alarms = own.iter().filter(|c| c.alarm);
+                    let told = alarms.map(|c| {
+                        let [_, size] = c.words(row.effort());
+                        format!("{} {size}", c.parameter)
+                    });
+                    list(&told.collect::<Vec<_>>())
+                })
+                .collect(),
+        ),
     );
     add(
         "least_chance",

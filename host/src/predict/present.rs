@@ -4,22 +4,18 @@ use super::lift::SEED;
 use super::{AHEAD, Prediction, Predictor};
 use preslide_fit::model::keys_of;
 use preslide_fit::recording::Recording;
+use preslide_fit::report::figures::quantity;
 use preslide_fit::report::{Page, Section, Table};
 use serde_json::{Value, json};
-
-/// From m to µm, from rad to µrad, from N to mN: what the table is in.
-fn scaled(forced: bool, recording: &Recording) -> (f64, String) {
-    match forced {
-        true => (1e6, format!("µ{}", recording.position_unit())),
-        false => (1e3, format!("m{}", recording.effort_unit())),
-    }
-}
 
 impl Prediction {
     /// Errors at each distance, in the part that nothing has seen.
     pub fn table(&self, recording: &Recording) -> Table {
-        let (scale, unit) = scaled(self.forced, recording);
-        let ahead = AHEAD.map(|steps| format!("{steps} [{unit}]"));
+        let unit = match self.forced {
+            true => recording.position_unit(),
+            false => recording.effort_unit(),
+        };
+        let ahead = AHEAD.map(|steps| steps.to_string());
         let head = ["predictor", "states", "delays", "ridge"].map(str::to_owned);
         let row = |p: &Predictor| {
             let [delays, ridge] = match p.lift {
@@ -30,7 +26,7 @@ impl Prediction {
                 0 => "–".to_owned(),
                 n => n.to_string(),
             };
-            let errors = p.told.iter().map(|error| format!("{:.4}", scale * error));
+            let errors = p.told.iter().map(|error| quantity(*error, unit));
             [p.name.clone(), states, delays, ridge]
                 .into_iter()
                 .chain(errors)
@@ -133,12 +129,14 @@ impl Prediction {
         Page {
             title: format!("Predictors on {}", recording.name),
             lead: self.recommendation(),
-            sections: vec![Section {
-                heading: "What each says of the next samples".to_owned(),
-                paragraphs: self.notes.iter().map(|note| format!("{note}.")).collect(),
-                tables: vec![self.table(recording)],
-                figures: Vec::new(),
-            }],
+            sections: vec![
+                Section {
+                    heading: "What each says of the next samples".to_owned(),
+                    tables: vec![self.table(recording)],
+                    ..Section::default()
+                },
+                Section::notes(self.notes.clone()),
+            ],
             command,
         }
     }

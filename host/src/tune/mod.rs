@@ -433,10 +433,12 @@ fn effects_notes(
             .each
             .iter()
             .zip(&fixed.each)
-            .map(|((id, float), (_, fixed))| format!("{id} {float:.0} and {fixed:.0}"))
+            .map(|((id, float), (_, fixed))| {
+                format!("{} {float:.0} and {fixed:.0}", id.replace('_', " "))
+            })
             .collect();
         notes.push(format!(
-            "cycles, flash and RAM include the model's effects, measured beside four blocks in f32 and in I16F16: {}",
+            "cycles, flash and RAM include the model's effects, as they were measured in f32 and in I16F16 in a controller of four blocks: {} cycles",
             list.join(", ")
         ));
     }

@@ -2,6 +2,7 @@
 
 use super::{Choice, Tuning};
 use preslide_fit::kernel::Kernel;
+use preslide_fit::report::figures::significant;
 use preslide_fit::report::{Axis, Emphasis, Figure, Page, Section, Series, Style, Table};
 use serde_json::{Value, json};
 
@@ -37,12 +38,12 @@ impl Tuning {
         };
         let tick_share = |worst: f64| format!("{:.1} %", 100.0 * self.budget.share_of(worst));
         Table::of(format!(
-                "Cost of a friction update {how} at {:.0} Hz and {:.0} MHz ({}); NMSE held out, %; rounding, % of the breakaway force; cycles and shares of the processor, the whole tick at worst; flash and RAM, bytes",
-                self.budget.rate,
+                "Cost of a friction update {how} at {} kHz and {:.0} MHz ({}); NMSE held out, %; rounding, % of the breakaway force; cycles and shares of the processor, the whole tick at worst; flash and RAM, bytes",
+                self.budget.rate * 1e-3,
                 self.budget.clock * 1e-6,
                 self.origin
             ), self.choices.iter().enumerate()).column("N", |(_, c)| c.cost.blocks.to_string()).column("kernel", |(_, c)| c.kernel.name().to_owned()).column("NMSE", |(_, c)| {
-                    c.nmse_test.map_or("–".to_owned(), |e| format!("{e:.3}"))
+                    c.nmse_test.map_or("–".to_owned(), significant)
                 }).column("rounding", |(_, c)| format!("{:.4}", c.arithmetic)).column("cycles", |(_, c)| format!("{:.0}", c.cost.cycles_mean)).column("worst", |(_, c)| format!("{:.0}", c.cost.cycles_worst)).column("share", |(_, c)| format!("{:.2} %", 100.0 * c.share)).column("tick", |(_, c)| {
                     whole(c.tick.map_or(f64::NAN, |tick| tick.worst))
                 }).column("share", |(_, c)| {
@@ -92,22 +93,24 @@ impl Tuning {
 
     /// The page with the accuracy-versus-cost plot.
     pub fn page(&self, command: String) -> Page {
-        let mut paragraphs = vec![format!(
+        let measure = format!(
             "Cycles: {}. A share is that of the worst path seen; the budget is {:.2} % of the processor, for friction alone. The whole tick is the measured interrupt of the QEMU firmware (reading the sensors left out) with its kernel exchanged for this one, its controller in f32 around f32 kernels and in fixed point around the others.",
             self.origin,
             100.0 * self.budget.share
-        )];
-        paragraphs.extend(self.notes.iter().map(|note| format!("{note}.")));
+        );
         Page {
             title: "Blocks and arithmetic for a cycle budget".to_owned(),
             lead: self.recommendation(),
             command,
-            sections: vec![Section {
-                heading: "Accuracy against cost".to_owned(),
-                paragraphs,
-                tables: vec![self.table()],
-                figures: vec![self.figure()],
-            }],
+            sections: vec![
+                Section {
+                    heading: "Accuracy against cost".to_owned(),
+                    tables: vec![self.table()],
+                    figures: vec![self.figure()],
+                    ..Section::default()
+                },
+                Section::notes([measure].into_iter().chain(self.notes.iter().cloned())),
+            ],
         }
     }
 
@@ -158,9 +161,7 @@ impl Tuning {
                     .emphasis(Emphasis::Strong),
             );
         }
-        figure.note(
-            "The paper's Figure 8 with the axis that decides in a controller: what a block costs.",
-        )
+        figure.note("What a block buys, and what it costs in a controller.")
     }
 }
 

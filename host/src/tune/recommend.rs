@@ -2,6 +2,7 @@
 
 use super::{Budget, Choice};
 use preslide_fit::identify::{Candidate, Identification};
+use preslide_fit::report::figures::{left, three};
 
 /// Arithmetic may add this much (% of `F_s`, rms), and no kernel that adds more is recommended.
 const ARITHMETIC: f64 = 0.5;
@@ -85,20 +86,20 @@ fn too_coarse(choices: &[Choice], fitting: &[&Choice]) -> String {
         .min_by(|a, b| a.arithmetic.total_cmp(&b.arithmetic));
     let least = finest.map_or(String::new(), |c| {
         format!(
-            ": {} with N = {} adds least, {:.3} %",
+            ": {} with N = {} adds least, {} %",
             c.kernel.name(),
             c.cost.blocks,
-            c.arithmetic
+            three(c.arithmetic)
         )
     });
     let sound = choices.iter().filter(|c| c.arithmetic <= ARITHMETIC);
     let remedy = match sound.min_by(|a, b| a.share.total_cmp(&b.share)) {
         Some(c) => format!(
-            "allow --budget {} for {} with N = {}, which adds {:.3} %",
+            "allow --budget {} for {} with N = {}, which adds {} %",
             enough(c.share),
             c.kernel.name(),
             c.cost.blocks,
-            c.arithmetic
+            three(c.arithmetic)
         ),
         None => "check --count against the encoder, and the model's yield displacements against the motion".to_owned(),
     };
@@ -116,13 +117,15 @@ fn why_so_many(chosen: &Choice, found: Option<&Identification>) -> String {
     let wanted = found.best();
     if wanted.size() == blocks {
         return format!(
-            "`preslide identify` recommends so many blocks, which leave {nmse:.2} % NMSE on motion held out"
+            "`preslide identify` recommends so many blocks, which leave {} NMSE on motion held out",
+            left(nmse)
         );
     }
     format!(
-        "of the N = {} that `preslide identify` recommends ({:.2} % NMSE on motion held out) no arithmetic within the budget is so exact; of the sizes of which one is, N = {blocks} is recommended by the same rule, and leaves {nmse:.2} %",
+        "of the N = {} that `preslide identify` recommends ({} NMSE on motion held out) no arithmetic within the budget is so exact; of the sizes of which one is, N = {blocks} is recommended by the same rule, and leaves {}",
         wanted.size(),
-        wanted.nmse_test,
+        left(wanted.nmse_test),
+        left(nmse)
     )
 }
 
@@ -136,12 +139,12 @@ fn what_it_takes(chosen: &Choice, budget: Budget, ticks: bool) -> String {
         )
     });
     format!(
-        "of all arithmetic for N = {} within the budget that adds at most {ARITHMETIC} % of the breakaway force, {} ({}) makes {} (it adds {:.3} %); friction takes {} of the processor at worst, {:.0} cycles a tick, of {} allowed",
+        "of all arithmetic for N = {} within the budget that adds at most {ARITHMETIC} % of the breakaway force, {} ({}) makes {} (it adds {} %); friction takes {} of the processor at worst, {:.0} cycles a tick, of {} allowed",
         chosen.cost.blocks,
         chosen.kernel.name(),
         chosen.kernel.description(),
         whole.unwrap_or_else(|| "the fewest cycles at worst".to_owned()),
-        chosen.arithmetic,
+        three(chosen.arithmetic),
         percent(chosen.share),
         chosen.cost.cycles_worst,
         percent(budget.share),
@@ -149,5 +152,5 @@ fn what_it_takes(chosen: &Choice, budget: Budget, ticks: bool) -> String {
 }
 
 fn percent(share: f64) -> String {
-    format!("{:.2} %", 100.0 * share)
+    format!("{} %", three(100.0 * share))
 }

@@ -1,10 +1,11 @@
 //! Figure 6 and Table 2: every model against the ten-block curve with inner loops.
 
 use super::stick_slip::Drawn;
-use super::{REVERSALS, column, significant};
+use super::{REVERSALS, column};
 use preslide::{LeuvenForm, Sliding};
 use preslide_fit::friction::{FrictionModel, Path};
 use preslide_fit::identify::family::{Family, Span};
+use preslide_fit::report::figures::significant;
 use preslide_fit::simulate::inverse::inverse;
 use preslide_fit::statistics::nmse;
 use preslide_host::compare::cost::cost;

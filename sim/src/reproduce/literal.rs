@@ -1,7 +1,8 @@
 //! Equations (10)–(12) exactly as printed, driven there and back: why the library does not compute them so.
 
-use super::{column, significant};
+use super::column;
 use preslide_fit::report::Table;
+use preslide_fit::report::figures::significant;
 use preslide_host::paper;
 use serde_json::{Value, json};
 

@@ -19,6 +19,7 @@ use preslide_fit::friction::{FrictionModel, Path};
 use preslide_fit::identify::regression::MaxwellSlipFit;
 use preslide_fit::identify::virgin::VirginCurve;
 use preslide_fit::progress::Progress;
+use preslide_fit::report::figures::significant;
 use preslide_fit::statistics::nmse;
 use preslide_host::compare::memory::Scale;
 use preslide_host::paper::{self, TableColumn};
@@ -284,13 +285,4 @@ fn recommendation(sizes: &[Size]) -> String {
         table.n,
         beaten.join("; ")
     )
-}
-
-/// Three significant digits, without an exponent.
-fn significant(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    let digits = (2 - value.abs().log10().floor() as i32).clamp(0, 12) as usize;
-    format!("{value:.digits$}")
 }

@@ -1,7 +1,8 @@
 //! A reproduction for people and for machines.
 
 use super::study::{cycles, cycles_text};
-use super::{CRITERION, Curve, Reproduction, significant};
+use super::{CRITERION, Curve, Reproduction};
+use preslide_fit::report::figures::significant;
 use preslide_fit::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
 use preslide_host::paper;
 use serde_json::{Value, json};
@@ -71,7 +72,7 @@ impl Reproduction {
     /// NMSE by number of blocks.
     pub fn size_table(&self) -> Table {
         Table::of(format!(
-                "NMSE (the paper's equation 13), %, on the ten-block column of Table 3 as the virgin curve, {} samples uniform in 0–{:.0} µm: by the paper's parameters, the same with samples uniform in force, as the paper prints it, at optimal breakpoints; cycles in the tick in f32, and the ΣW/F_s and yields of those",
+                "NMSE (squared error over the variance of the force), %, on the ten-block column of Table 3 as the virgin curve, {} samples uniform in 0–{:.0} µm: by the paper's parameters, the same with samples uniform in force, as the paper prints it, at optimal breakpoints; cycles in the tick in f32, and the ΣW/F_s and yields of those",
                 self.curve.displacement.len(),
                 1e6 * paper::RANGE
             ), &self.sizes).column("N", |size| size.n.to_string()).column("paper's", |size| {
@@ -101,7 +102,7 @@ impl Reproduction {
             let blocks = (1..).zip(&recovery.blocks);
             blocks.map(|(i, block)| (recovery.blocks.len(), i, block))
         });
-        Table::of("Table 3 recovered by the paper's equations (7)–(9) from the ten-block curve at each column's own breakpoints", rows).column("N", |(n, _, _)| n.to_string()).column("i", |(_, i, _)| i.to_string()).column("D_i [µm]", |(_, _, b)| {
+        Table::of("Table 3 recovered by the paper's equations (7)–(9), which read stiffnesses and weights off a curve, from the ten-block curve at each column's own breakpoints", rows).column("N", |(n, _, _)| n.to_string()).column("i", |(_, i, _)| i.to_string()).column("D_i [µm]", |(_, _, b)| {
                     format!("{:.3}", 1e6 * b.yield_displacement)
                 }).column("k_i printed [N/m]", |(_, _, b)| {
                     format!("{:.0}", b.stiffness_printed)
@@ -209,7 +210,7 @@ impl Reproduction {
     /// The report.
     pub fn page(&self, command: String) -> Page {
         Page {
-            title: "The paper's study: Tables 2–3, Figures 6–8, the experiment".to_owned(),
+            title: "Kamenar and Zelenika's paper on pre-sliding friction: Tables 2–3, Figures 6–8, the experiment".to_owned(),
             lead: self.recommendation.clone(),
             command,
             sections: [
@@ -228,7 +229,7 @@ impl Reproduction {
                 vec![
                 Section {
                     heading: "What differs from the paper, and why".to_owned(),
-                    paragraphs: self.remarks().iter().map(|r| format!("{r}.")).collect(),
+                    paragraphs: self.remarks(),
                     ..Section::default()
                 },
                 Section {

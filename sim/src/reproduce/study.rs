@@ -1,9 +1,10 @@
 //! The study for people and for machines: all models on Figure 6, the experiment, and errors against cycles.
 
+use super::Reproduction;
 use super::experiment::{Experiment, Interval, REPEATS, VARIABILITY};
 use super::figure_6::{Figure6, Origin, Row};
-use super::{Reproduction, significant};
 use preslide_fit::friction::FrictionModel;
+use preslide_fit::report::figures::{quantity, significant};
 use preslide_fit::report::{Axis, Colour, Emphasis, Figure, Section, Series, Style, Table};
 use preslide_host::compare::cost::cost;
 use serde_json::{Value, json};
@@ -60,7 +61,7 @@ impl Figure6 {
         )
         .column("model", |row| row.name.clone())
         .column("parameters", |row| origin(row))
-        .column("closure [N]", |row| format!("{:.1e}", row.closure.largest))
+        .column("closure", |row| quantity(row.closure.largest, "N"))
         .column("inner loops", |row| {
             let closure = &row.closure;
             match (closure.is_nonlocal(), closure.remembers) {
@@ -278,18 +279,17 @@ impl Reproduction {
 
     /// Sections of the report.
     pub(super) fn study_sections(&self) -> [Section; 2] {
-        let sentences = |remarks: Vec<String>| remarks.iter().map(|r| format!("{r}.")).collect();
         [
             Section {
                 heading: "All models, with inner loops (Figure 6, Table 2)".to_owned(),
-                paragraphs: sentences(self.figure_6.remarks()),
+                paragraphs: self.figure_6.remarks(),
                 tables: self.figure_6.tables().to_vec(),
                 figures: vec![self.figure_6.figure()],
             },
             Section {
                 heading: "The experiment".to_owned(),
                 paragraphs: vec![
-                    format!("{}.", self.experiment.answer()),
+                    self.experiment.answer(),
                     "The ten-block column stands for the axis; in every repeat each block's force and yield displacement vary uniformly and independently, the load goes up in steps of 10 mN that the cell resolves to half a step, each is held to rest, with an inner loop, until the axis breaks away. Displacements are averaged at the same load, and blocks placed by the search that gives the optimal breakpoints above.".to_owned(),
                 ],
                 tables: self.experiment.tables().to_vec(),

@@ -4,6 +4,7 @@ use super::super::Failure;
 use super::findings::Findings;
 use super::journal::{Journal, Played};
 use preslide_fit::recording::{self, LoadOptions, Needs};
+use preslide_fit::report::figures::quantity;
 use preslide_fit::report::{Axis, Emphasis, Figure, Page, Section, Series, Table};
 use preslide_host::diagnose::effect;
 
@@ -16,6 +17,11 @@ fn proof(journal: &Journal) -> Option<[Played; 2]> {
     Some([of("unseen-without")?, of("unseen-with")?])
 }
 
+/// A following error of the journal, which counts in 10⁻⁹ of a unit.
+fn shown(error: f64, unit: &str) -> String {
+    quantity(1e-9 * error, unit)
+}
+
 /// In a few lines.
 pub fn result(journal: &Journal, unit: &str) -> Vec<String> {
     let Some([without, with]) = proof(journal) else {
@@ -23,8 +29,11 @@ pub fn result(journal: &Journal, unit: &str) -> Vec<String> {
     };
     vec![
         format!(
-            "On a motion that no fit saw: following error {:.0} n{unit} RMS with the feedback alone, {:.0} n{unit} with the model (largest {:.0} and {:.0}).",
-            without.rms, with.rms, without.largest, with.largest
+            "On a motion that no fit saw: following error {} RMS with the feedback alone, {} with the model (largest {} and {}).",
+            shown(without.rms, unit),
+            shown(with.rms, unit),
+            shown(without.largest, unit),
+            shown(with.largest, unit)
         ),
         format!("The page: {}", journal.file("report.html").display()),
     ]
@@ -62,15 +71,15 @@ pub fn page(
         command,
         sections: vec![
             Section {
-                heading: "Before and after".to_owned(),
-                tables: vec![followed(journal, unit)],
-                figures: vec![errors(journal, unit)?],
-                ..Section::default()
-            },
-            Section {
                 heading: "What is sure".to_owned(),
                 paragraphs: vec![found.verdict_words(&findings.recording)],
                 tables: vec![found.budget_table(&findings.recording)],
+                ..Section::default()
+            },
+            Section {
+                heading: "Before and after".to_owned(),
+                tables: vec![followed(journal, unit)],
+                figures: vec![errors(journal, unit)?],
                 ..Section::default()
             },
             Section {
@@ -102,12 +111,8 @@ fn followed(journal: &Journal, unit: &str) -> Table {
         &journal.played,
     )
     .column("motion", |(name, _)| String::clone(name))
-    .column(format!("RMS n{unit}"), |(_, played)| {
-        format!("{:.0}", played.rms)
-    })
-    .column(format!("largest n{unit}"), |(_, played)| {
-        format!("{:.0}", played.largest)
-    })
+    .column("RMS", |(_, played)| shown(played.rms, unit))
+    .column("largest", |(_, played)| shown(played.largest, unit))
     .table()
 }
 

@@ -403,16 +403,23 @@ impl Commanded {
     }
 
     fn get(&mut self, names: &[String]) -> Result<(), Failure> {
+        // In SI, as `set` takes it.
+        let unit = self.kind.unit();
+        let tell = |name: &str, value: f32| {
+            let unit = quantity::of_parameter(name, unit);
+            say!("{}", format!("{name:<24} {value:e} {unit}").trim_end());
+        };
         if names.is_empty() {
             for parameter in self.drive.parameters()? {
-                say!("{:<24} {:e}", parameter.name.as_str(), parameter.value);
+                tell(parameter.name.as_str(), parameter.value);
             }
         }
         for name in names {
-            match self.drive.get(name)? {
-                Some(value) => say!("{name:<24} {value:e}"),
-                None => return Err(Failure::Input(unknown(name))),
-            }
+            let value = self.drive.get(name)?;
+            tell(
+                name,
+                value.ok_or_else(|| Failure::Input(unknown(name)))? as f32,
+            );
         }
         Ok(())
     }
@@ -427,7 +434,11 @@ impl Commanded {
             };
             // In the precision of the link.
             if parameter.value != wanted as f32 {
-                say!("{name:<24} {:e}, in the file {wanted:e}", parameter.value);
+                let unit = quantity::of_parameter(name, self.kind.unit());
+                say!(
+                    "{name:<24} {:e} {unit}, in the file {wanted:e} {unit}",
+                    parameter.value
+                );
                 different.push(format!("{name}={wanted:e}"));
             }
         }
@@ -505,6 +516,15 @@ impl Commanded {
                 _ => error.into(),
             })?;
         explain!("loaded: {named}");
+        let (own, sent) = (
+            model.friction.blocks().len(),
+            named.matches("stiffness").count(),
+        );
+        if own < sent {
+            say!(
+                "Note: this firmware has {sent} blocks: the model's {own} are sent in equal parts, which make the same force."
+            );
+        }
         if loaded.deviation > 1e-6 {
             say!(
                 "Note: this firmware has four blocks; joining them changes the force by up to {:.1} % of the breakaway force. \

@@ -1,13 +1,12 @@
 //! A motion fit for people and for machines.
 
 use super::super::fit::{key, shown, unit};
-use super::super::present::bounds;
 use super::search::{SEED, long_pieces};
 use super::told::NUDGE;
 use super::{Apart, MotionFit};
 use crate::model::keys_of;
-use crate::recording::{MotionKind, Recording};
-use crate::report::figures::digits;
+use crate::recording::Recording;
+use crate::report::figures::{duration, quantity, three};
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
 use serde_json::{Value, json};
 
@@ -40,50 +39,28 @@ impl MotionFit {
 
     /// Parameters with their intervals, beside those of the fit of the force.
     pub fn table(&self, recording: &Recording) -> Table {
-        let before = self.before.iter();
-        Table {
-            caption: "Parameters from the motion".to_owned(),
-            head: [
-                "parameter",
-                "value",
-                "95 % from",
-                "to",
-                "from the force",
-                "unit",
-            ]
-            .map(String::from)
-            .to_vec(),
-            rows: self
-                .parameters
-                .iter()
-                .zip(before)
-                .map(|((name, e), before)| {
-                    let [from, to] = bounds(e);
-                    vec![
-                        shown(recording, name).replace('_', " "),
-                        digits(e.value),
-                        from,
-                        to,
-                        digits(*before),
-                        unit(recording, name),
-                    ]
-                })
-                .collect(),
+        let rows = self.parameters.iter();
+        let rows = rows.map(|(name, e)| (shown(recording, name), unit(recording, name), *e));
+        let mut table = Table::parameters("Parameters from the motion", rows);
+        table.head.push("from the force".to_owned());
+        let before = self.parameters.iter().zip(&self.before);
+        for (row, ((name, _), before)) in table.rows.iter_mut().zip(before) {
+            row.push(quantity(*before, &unit(recording, name)));
         }
+        table
     }
 
     /// What a simulation leaves of the motion.
     pub fn error_table(&self, recording: &Recording) -> Table {
-        let unit = small(recording.kind);
         let row = |name: &str, apart: Option<Apart>| {
-            let shown = |v: f64| format!("{:.3}", MILLI * v);
+            let shown = |v: f64| quantity(v, recording.position_unit());
             let figures = apart.map(|a| [shown(a.rms), shown(a.mean_abs)]);
             let [rms, mean] = figures.unwrap_or(["–".to_owned(), "–".to_owned()]);
             vec![name.to_owned(), rms, mean]
         };
         Table {
             caption: format!(
-                "Simulated less measured position [{unit}], {}, each piece from its measured start",
+                "Simulated less measured position, {}, each piece from its measured start",
                 if self.closed_loop {
                     "closed loop"
                 } else {
@@ -103,33 +80,38 @@ impl MotionFit {
 
     /// What a person must know beside the tables, a sentence without its full stop each.
     pub fn notes(&self, recording: &Recording) -> Vec<String> {
-        let unit = small(recording.kind);
+        let error = |v: f64| quantity(v, recording.position_unit());
         let mut notes = Vec::new();
         notes.push(format!(
-            "{} starts (seed {SEED}) {} in windows of {:.3} s",
+            "{} starts (seed {SEED}) {} in windows of {}",
             self.starts.len(),
             if self.agree {
                 "end at one place"
             } else {
                 "end at several places: do not trust the intervals;"
             },
-            self.window_s,
+            duration(self.window_s),
         ));
         let percent = 100.0 * NUDGE;
         notes.push(format!(
-            "{percent} % more drive gain moves the simulation by {:.3} {unit} RMS, {percent} % more friction by {:.3}: a machine that changes by as much cannot be simulated better",
-            MILLI * self.moves[0],
-            MILLI * self.moves[1],
+            "{percent} % more drive gain moves the simulation by {} RMS, {percent} % more friction by {}: a machine that changes by as much cannot be simulated better",
+            error(self.moves[0]),
+            error(self.moves[1]),
         ));
         for (one, other, of) in &self.together {
+            let [one, other] = [one, other].map(|name| name.replace('_', " "));
             notes.push(format!(
-                "only a combination of {one} and {other} is known (correlation {of:.3}): within their intervals both change together"
+                "only a combination of {one} and {other} is known (correlation {}): within their intervals both change together",
+                three(*of)
             ));
         }
         let list = |taken: bool| {
             let of = self.tried.iter().filter(|t| t.taken == taken);
-            let shown =
-                of.map(|t| format!("{} ({:+.1} %)", t.id.replace('_', " "), 100.0 * t.change));
+            let shown = of.map(|t| {
+                let (name, change) = (t.id.replace('_', " "), 100.0 * t.change.abs());
+                let way = if t.change > 0.0 { "more" } else { "less" };
+                format!("{name} ({} % {way})", three(change))
+            });
             shown.collect::<Vec<_>>().join(", ")
         };
         let lists = [("Taken", list(true)), ("Tried and left out", list(false))];
@@ -148,14 +130,13 @@ impl MotionFit {
 
     /// The outcome in one sentence.
     pub fn conclusion(&self, recording: &Recording) -> String {
-        let unit = small(recording.kind);
-        let held = self.held_out.map_or(String::new(), |a| {
-            format!("; held out {:.3} {unit}", MILLI * a.rms)
-        });
+        let error = |a: Apart| quantity(a.rms, recording.position_unit());
+        let held = self
+            .held_out
+            .map_or(String::new(), |a| format!("; held out {}", error(a)));
+        let [force, motion] = self.errors.map(error);
         format!(
-            "With these parameters a simulation, left to itself, stays within {:.3} {unit} RMS of the machine, with those of the force {:.3}{held}.",
-            MILLI * self.errors[1].rms,
-            MILLI * self.errors[0].rms,
+            "With these parameters a simulation, left to itself, stays within {motion} RMS of the machine, with those of the force {force}{held}."
         )
     }
 
@@ -167,21 +148,17 @@ impl MotionFit {
             command,
             sections: vec![
                 Section {
+                    heading: "Parameters".to_owned(),
+                    tables: vec![self.table(recording)],
+                    ..Section::default()
+                },
+                Section {
                     heading: "Motion".to_owned(),
                     tables: vec![self.error_table(recording)],
                     figures: self.figures(recording),
                     ..Section::default()
                 },
-                Section {
-                    heading: "Parameters".to_owned(),
-                    tables: vec![self.table(recording)],
-                    paragraphs: self
-                        .notes(recording)
-                        .iter()
-                        .map(|n| format!("{n}."))
-                        .collect(),
-                    ..Section::default()
-                },
+                Section::notes(self.notes(recording)),
             ],
         }
     }
@@ -226,12 +203,4 @@ impl MotionFit {
                 ),
         ]
     }
-}
-
-/// Errors of a position are shown in thousandths of its unit.
-const MILLI: f64 = 1e3;
-
-/// That unit.
-fn small(kind: MotionKind) -> String {
-    format!("m{}", kind.unit())
 }

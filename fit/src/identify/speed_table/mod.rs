@@ -11,7 +11,7 @@ use crate::effects::Effect;
 use crate::friction::FrictionModel;
 use crate::model::Model;
 use crate::recording::Speeds;
-use crate::report::figures::digits;
+use crate::report::figures::significant;
 use crate::statistics::{Estimate, nmse};
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
@@ -297,8 +297,8 @@ impl SpeedTable {
             return Err(format!(
                 "{}: Coulomb friction of {} with viscous friction of {} is impossible; check the sign of the effort",
                 self.speeds.name,
-                digits(coulomb),
-                digits(0.5 * (forward + backward))
+                significant(coulomb),
+                significant(0.5 * (forward + backward))
             ));
         }
         let mut effects = Vec::new();

@@ -2,9 +2,9 @@
 
 use super::SpeedTable;
 use crate::identify::fit::key;
-use crate::report::figures::{cells, range};
+use crate::report::figures::{left, range};
 use crate::report::units::symbol;
-use crate::report::{Axis, Emphasis, Figure, Page, Section, Series, Table, display_unit};
+use crate::report::{Axis, Emphasis, Figure, Page, Section, Series, Table};
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
 
@@ -33,18 +33,11 @@ impl SpeedTable {
             name if name.starts_with("viscous") => format!("{force}·s/{position}"),
             _ => force.to_owned(),
         };
-        let rows = self.parameters.iter().map(|(name, e)| {
-            let shown = display_unit(&unit(name), e.value.abs().max(e.reach().unwrap_or(0.0)));
-            let [value, from, to] = cells(e.value, e.ci95, shown.factor);
-            vec![name.replace('_', " "), value, from, to, shown.unit]
-        });
-        Table {
-            caption: format!("{}, {} speeds", self.law(), self.fitted.len()),
-            head: ["parameter", "value", "95 % from", "to", "unit"]
-                .map(String::from)
-                .to_vec(),
-            rows: rows.collect(),
-        }
+        let rows = self.parameters.iter();
+        Table::parameters(
+            format!("{}, {} speeds", self.law(), self.fitted.len()),
+            rows.map(|(name, e)| (name.replace('_', " "), unit(name), *e)),
+        )
     }
 
     /// What the user should know.
@@ -65,9 +58,9 @@ impl SpeedTable {
     /// One sentence: what the table shows, and what it cannot.
     pub fn recommendation(&self) -> String {
         format!(
-            "Use {} friction ({:.3} % of the variance left on rows held out). A table without time shows no inertia and no pre-sliding; record a motion with reversals for those.",
+            "Use {} friction ({} of the variance left on rows held out). A table without time shows no inertia and no pre-sliding; record a motion with reversals for those.",
             self.law(),
-            self.nmse_held_out
+            left(self.nmse_held_out)
         )
     }
 
@@ -146,12 +139,15 @@ impl SpeedTable {
             title: format!("Identification of {}", self.speeds.name),
             lead: self.recommendation(),
             command,
-            sections: vec![Section {
-                heading: "Friction".to_owned(),
-                paragraphs: self.warnings().chain(self.notes()).collect(),
-                tables: vec![self.table()],
-                figures: vec![figure],
-            }],
+            sections: vec![
+                Section {
+                    heading: "Friction".to_owned(),
+                    tables: vec![self.table()],
+                    figures: vec![figure],
+                    ..Section::default()
+                },
+                Section::notes(self.warnings().chain(self.notes())),
+            ],
         }
     }
 

@@ -10,7 +10,7 @@ impl Periodic {
     fn words(&self, unit: &str) -> String {
         let sure = |e: &Estimate| within(e.value, e.reach().unwrap_or(0.0), unit);
         format!(
-            "periodic_lead_error: periodic lead error, period {}, amplitude {} to either side, highest at {}; it takes {:.1} % of what all else leaves on passes held out and {:.1} % on stretches of the travel, at {:.1} and {:.1} standard errors; it belongs to the drive between the two or to one of the two scales, which cannot be told apart: compare the period with a turn of the screw or gear, with its balls and teeth, and with the pitch of either scale (encoder_error)",
+            "periodic lead error, period {}, amplitude {} to either side, highest at {}; it takes {:.1} % of what all else leaves on passes held out and {:.1} % on stretches of the travel, at {:.1} and {:.1} standard errors; it belongs to the drive between the two or to one of the two scales, which cannot be told apart: compare the period with a turn of the screw or gear, with its balls and teeth, and with the pitch of either scale (encoder interpolation error)",
             sure(&self.period),
             sure(&self.amplitude),
             quantity(self.highest_at, unit),
@@ -27,13 +27,10 @@ impl SecondPosition {
     pub fn words(&self, recording: &Recording) -> String {
         let unit = recording.position_unit();
         let column = &self.column;
-        let sure = |e: &Estimate, unit: &str| {
-            let reach = e.reach().unwrap_or(0.0);
-            format!("{} ± {}", quantity(e.value, unit), quantity(reach, unit))
-        };
+        let sure = |e: &Estimate| within(e.value, e.reach().unwrap_or(0.0), unit);
         let mut said = match &self.lead {
             None => vec![format!(
-                "`{column}` measures the position too; no {}lead_error: over {} passes their difference has no smooth course over the travel",
+                "`{column}` measures the position too; no {}lead error: over {} passes their difference has no smooth course over the travel",
                 if self.periodic.is_empty() {
                     ""
                 } else {
@@ -57,7 +54,7 @@ impl SecondPosition {
                     (None, None) => String::new(),
                 };
                 vec![format!(
-                    "lead_error: `{column}` less the position {slope}bends by {}, lowest at {} and highest at {}; on passes held out this takes {:.1} % of the difference, at {:.1} standard errors over {} passes",
+                    "lead error: `{column}` less the position {slope}bends by {}, lowest at {} and highest at {}; on passes held out this takes {:.1} % of the difference, at {:.1} standard errors over {} passes",
                     quantity(lead.bow, unit),
                     quantity(lead.lowest_at, unit),
                     quantity(lead.highest_at, unit),
@@ -71,15 +68,14 @@ impl SecondPosition {
         said.extend(self.lost_motion.as_ref().map(|e| {
             format!(
                 "at reversals it stays behind by {} (backlash or lost motion)",
-                sure(e, unit)
+                sure(e)
             )
         }));
         said.extend(self.compliance.as_ref().map(|e| {
-            let of = format!("{unit}/{}", recording.effort_unit());
-            let reach = e.reach().map_or(String::new(), |r| format!(" ± {r:.1e}"));
+            let effort = recording.effort_unit();
             format!(
-                "it stays behind the effort by {:.3e}{reach} {of} (compliance)",
-                e.value
+                "it stays behind the effort by {} a {effort} (compliance)",
+                sure(e)
             )
         }));
         said.push(format!("{} RMS is left", quantity(self.left, unit)));

@@ -33,7 +33,7 @@ impl Proposal {
     pub fn section(&self) -> Section {
         Section {
             heading: "Observer".to_owned(),
-            paragraphs: vec![format!("{}.", self.recommendation())],
+            paragraphs: vec![self.recommendation()],
             tables: vec![self.table()],
             figures: Vec::new(),
         }

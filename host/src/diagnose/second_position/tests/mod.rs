@@ -93,21 +93,16 @@ fn reports_backlash_and_compliance_with_their_intervals() {
     let told = |start: &str, end: &str, units: &[(&str, f64)]| -> [f64; 2] {
         let clause = words.split(start).nth(1).expect(start);
         let clause = clause.split(end).next().expect(end);
-        let (value, reach) = clause.split_once(" ± ").expect("an interval");
-        let number = |text: &str| {
-            let mut parts = text.split_whitespace();
-            let figure: f64 = parts.next().and_then(|f| f.parse().ok()).expect("a figure");
-            let unit = parts.next();
-            let factor = units.iter().find(|(u, _)| Some(*u) == unit);
-            figure * factor.map_or(1.0, |(_, f)| *f)
-        };
-        [number(value), number(reach)]
+        let (figures, unit) = clause.rsplit_once(' ').expect("a unit");
+        let (_, factor) = units.iter().find(|(u, _)| *u == unit).expect(unit);
+        let (value, reach) = figures.split_once(" ± ").expect("an interval");
+        [value, reach].map(|figure| factor * figure.parse::<f64>().expect("a figure"))
     };
-    let units = [("µm", 1e-6), ("nm", 1e-9), ("m/N", 1.0)];
+    let units = [("µm", 1e-6), ("nm", 1e-9)];
     for (estimate, [value, reach]) in [
         (
             found.compliance.expect("compliance"),
-            told("behind the effort by ", " (compliance)", &units),
+            told("behind the effort by ", " a N (compliance)", &units),
         ),
         (
             found.lost_motion.expect("backlash"),

@@ -157,7 +157,7 @@ fn a_turn_and_its_balls_are_told_where_nothing_is_smooth() {
     }
     // What is left is the noise.
     assert!((found.left / 2.9e-7 - 1.0).abs() < 0.1, "{}", found.left);
-    assert!(words.contains("no smooth lead_error"));
+    assert!(words.contains("no smooth lead error"));
     let form = [
         "periodic lead error, period 5.000",
         " mm, amplitude 1.",
@@ -224,7 +224,7 @@ fn does_not_say_which_scale_has_the_interpolation_error() {
         assert!((told.amplitude.value / 0.4e-6 - 1.0).abs() < 0.05);
         for part in [
             "one of the two scales, which cannot be told apart",
-            "encoder_error",
+            "encoder interpolation error",
         ] {
             assert!(words.contains(part), "{words}");
         }
