@@ -83,14 +83,13 @@ impl MotionFit {
         let error = |v: f64| quantity(v, recording.position_unit());
         let mut notes = Vec::new();
         notes.push(format!(
-            "{} starts (seed {SEED}) {} in windows of {}",
-            self.starts.len(),
-            if self.agree {
-                "end at one place"
-            } else {
-                "end at several places: do not trust the intervals;"
-            },
+            "in windows of {}, {} starts (seed {SEED}) {}",
             duration(self.window_s),
+            self.starts.len(),
+            match self.agree {
+                true => "end at one place",
+                false => "end at several places: do not trust the intervals",
+            },
         ));
         let percent = 100.0 * NUDGE;
         notes.push(format!(
