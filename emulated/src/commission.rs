@@ -92,13 +92,11 @@ fn in_one_command(port: &str, folder: &Path, whole: bool) -> Result<()> {
         bail!("preslide commission, interrupted, ended with {status} and said: {said}");
     }
     let again = tool().stderr(Stdio::inherit()).output()?;
-    let said = String::from_utf8_lossy(&again.stdout);
-    println!("{said}");
-    let error = |before: &str| {
-        let rest = said.split(before).nth(1)?;
-        rest.split(" nm").next()?.trim().parse::<f64>().ok()
-    };
-    let errors = error("saw: following error").zip(error("with the feedback alone,"));
+    println!("{}", String::from_utf8_lossy(&again.stdout));
+    let journal = fs_err::read_to_string(folder.join("commission/commission.json"))?;
+    let journal: serde_json::Value = serde_json::from_str(&journal)?;
+    let error = |motion: &str| journal["played"][motion]["rms"].as_f64();
+    let errors = error("unseen-without").zip(error("unseen-with"));
     let is_whole = folder.join("commission/report.html").exists();
     match (again.status.success(), errors) {
         (true, Some((without, with))) if is_whole && with < 0.5 * without => Ok(()),

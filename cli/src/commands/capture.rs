@@ -153,11 +153,7 @@ impl Capture {
         let scale = Scale {
             sample_time_s: self.rate.map_or(scale.sample_time_s, |rate| 1.0 / rate),
             count: self.count.as_ref().map_or(scale.count, |count| count.value),
-            motion: if self.rotary {
-                MotionKind::Rotary
-            } else {
-                MotionKind::Linear
-            },
+            motion: MotionKind::turning(self.rotary),
             effort_per_a: self.effort_per_ampere.unwrap_or(scale.effort_per_a),
             after_s: self.after,
             ..scale

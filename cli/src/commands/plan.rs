@@ -203,10 +203,7 @@ impl Plan {
             Some(&self.outputs),
         )?;
         let planned = plan(&wish).map_err(Failure::Input)?;
-        let kind = match self.rotary {
-            true => MotionKind::Rotary,
-            false => MotionKind::Linear,
-        };
+        let kind = MotionKind::turning(self.rotary);
         write_text(&self.output, &planned.csv(kind))?;
         say!("{}", planned.words(kind));
         self.outputs.write(&planned.to_json(kind), || {

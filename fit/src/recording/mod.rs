@@ -84,6 +84,14 @@ pub enum MotionKind {
 }
 
 impl MotionKind {
+    /// Of an axis that turns, or not.
+    pub fn turning(turns: bool) -> Self {
+        match turns {
+            true => MotionKind::Rotary,
+            false => MotionKind::Linear,
+        }
+    }
+
     /// "linear" or "rotary", as in model files.
     pub fn name(self) -> &'static str {
         match self {

@@ -233,10 +233,7 @@ fn is_rotary(names: &Names, sources: &[Source]) -> bool {
 /// The column of the format that a role would be mapped to.
 fn target(names: &Names, slot: Slot, column: Option<usize>, rotary: bool) -> &'static Known {
     let unit = column.and_then(|i| names.unit(i)).map(|u| u.dimension);
-    let axis = match rotary {
-        true => MotionKind::Rotary,
-        false => MotionKind::Linear,
-    };
+    let axis = MotionKind::turning(rotary);
     let name = column.map_or("", |i| &names.columns[i]).to_lowercase();
     let told = unit.is_some() || quantity(&name).slot.is_some() || name.ends_with(JOINT_EFFORT);
     let role = if !told && column.is_some() {

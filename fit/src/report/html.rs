@@ -275,6 +275,8 @@ fn axis(drawn: &DrawnAxis) -> Value {
     json!({
         "title": {"text": plotly_text(&drawn.title)},
         "type": if drawn.log { "log" } else { "linear" },
+        // Over two decades plotly would label every digit, one on the other.
+        "nticks": if drawn.log { 4 } else { 0 },
         "exponentformat": "power",
         "automargin": true,
         "showline": true,

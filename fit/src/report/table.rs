@@ -4,6 +4,9 @@ use super::display_unit;
 use super::figures::cells;
 use crate::statistics::Estimate;
 
+/// Columns of a terminal that a table takes at most, if its words let it.
+const WIDEST: usize = 100;
+
 /// A table of text cells. Rows may be ragged; missing cells are empty.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
@@ -70,18 +73,10 @@ impl Table {
         }
     }
 
-    /// The table aligned for a terminal, each line ended by a newline.
+    /// The table aligned for a terminal, each line ended by a newline; cells of the widest columns are broken between words where it would
+    /// be wider than [`WIDEST`].
     pub fn to_text(&self) -> String {
-        let columns = self.columns();
-        let numeric: Vec<bool> = (0..columns).map(|c| self.is_numeric(c)).collect();
-        let widths: Vec<usize> = (0..columns)
-            .map(|c| {
-                self.lines()
-                    .map(|row| row.get(c).map_or(0, |cell| one_line(cell).chars().count()))
-                    .max()
-            })
-            .map(Option::unwrap_or_default)
-            .collect();
+        let widths = self.widths();
         let mut text = String::new();
         let mut push = |line: String| {
             text.push_str(line.trim_end());
@@ -90,33 +85,70 @@ impl Table {
         if !self.caption.is_empty() {
             push(self.caption.clone());
         }
-        let aligned = |row: &Vec<String>| -> String {
-            let cells = widths
-                .iter()
-                .zip(&numeric)
-                .enumerate()
-                .map(|(c, (&width, &right))| {
-                    let cell = row.get(c).map(|cell| one_line(cell)).unwrap_or_default();
-                    if right {
-                        format!("{cell:>width$}")
-                    } else {
-                        format!("{cell:<width$}")
-                    }
-                });
-            cells.collect::<Vec<_>>().join("  ")
-        };
+        let rule: Vec<String> = widths.iter().map(|&width| "─".repeat(width)).collect();
         if !self.head.is_empty() {
-            push(aligned(&self.head));
-            push(
-                widths
-                    .iter()
-                    .map(|&width| "─".repeat(width))
-                    .collect::<Vec<_>>()
-                    .join("  "),
-            );
+            self.aligned(&self.head, &widths).for_each(&mut push);
+            push(rule.join("  "));
         }
-        self.rows.iter().for_each(|row| push(aligned(row)));
+        for row in &self.rows {
+            self.aligned(row, &widths).for_each(&mut push);
+        }
         text
+    }
+
+    /// Width of each column.
+    fn widths(&self) -> Vec<usize> {
+        let longest = |of: fn(&str) -> usize| -> Vec<usize> {
+            let cell =
+                |row: &Vec<String>, c: usize| row.get(c).map_or(0, |cell| of(&one_line(cell)));
+            let column = |c| self.lines().map(|row| cell(row, c)).max().unwrap_or(0);
+            (0..self.columns()).map(column).collect()
+        };
+        let mut widths = longest(|cell| cell.chars().count());
+        let words = longest(|cell| {
+            cell.split(' ')
+                .map(|word| word.chars().count())
+                .max()
+                .unwrap_or(0)
+        });
+        while widths.iter().map(|width| width + 2).sum::<usize>() > WIDEST + 2 {
+            let can_break = (0..widths.len()).filter(|&c| widths[c] > words[c]);
+            let Some(widest) = can_break.max_by_key(|&c| widths[c]) else {
+                break;
+            };
+            widths[widest] -= 1;
+        }
+        widths
+    }
+
+    /// A row's lines.
+    fn aligned(&self, row: &[String], widths: &[usize]) -> impl Iterator<Item = String> {
+        let broken = |(c, &width): (usize, &usize)| -> Vec<String> {
+            let cell = row.get(c).map(|cell| one_line(cell)).unwrap_or_default();
+            let lines = textwrap::wrap(
+                &cell,
+                textwrap::Options::new(width.max(1)).break_words(false),
+            );
+            let right = self.is_numeric(c);
+            let align = |line: &str| match right {
+                true => format!("{line:>width$}"),
+                false => format!("{line:<width$}"),
+            };
+            lines.iter().map(|line| align(line)).collect()
+        };
+        let cells: Vec<Vec<String>> = widths.iter().enumerate().map(broken).collect();
+        let blank: Vec<String> = widths.iter().map(|&width| " ".repeat(width)).collect();
+        let height = cells.iter().map(Vec::len).max().unwrap_or(0);
+        (0..height).map(move |line| {
+            let of =
+                |(cell, blank): (&Vec<String>, &String)| cell.get(line).unwrap_or(blank).clone();
+            cells
+                .iter()
+                .zip(&blank)
+                .map(of)
+                .collect::<Vec<_>>()
+                .join("  ")
+        })
     }
 
     /// Number of columns of the longest line.
@@ -179,6 +211,28 @@ mod tests {
                         breakaway       20.39\n\
                         α\n";
         assert_eq!(table.to_text(), expected);
+    }
+
+    #[test]
+    fn a_wide_table_is_broken_between_words() {
+        let names = "one two three four five six seven eight nine ten ".repeat(4);
+        let table = Table {
+            head: row(&["name", "what", "value"]),
+            rows: vec![row(&["a", &names, "1"]), row(&["b", "short", "2"])],
+            ..Table::default()
+        };
+        let text = table.to_text();
+        assert!(
+            text.lines().all(|line| line.chars().count() <= WIDEST),
+            "{text}"
+        );
+        // Head, rule, three lines of names, one more row; no word is lost.
+        assert_eq!(text.lines().count(), 6, "{text}");
+        assert_eq!(text.matches("seven").count(), 4);
+        assert!(
+            text.lines().nth(2).is_some_and(|line| line.ends_with('1')),
+            "{text}"
+        );
     }
 
     #[test]

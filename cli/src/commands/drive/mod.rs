@@ -190,10 +190,7 @@ impl ControllerArgs {
     }
 
     fn kind(&self) -> MotionKind {
-        match self.rotary {
-            true => MotionKind::Rotary,
-            false => MotionKind::Linear,
-        }
+        MotionKind::turning(self.rotary)
     }
 
     /// The axis behind it.
