@@ -80,6 +80,25 @@ fn a_current_is_taken_as_it_is_and_what_a_constant_would_add_is_said() {
         assert!(said.contains(part), "{part}: {said}");
     }
     preslide(&["identify", &path, "--map", "friction_N=2*current_A"]).succeeds();
+    // The model keeps the unit: it meets no force unasked, and no simulator takes it for one.
+    let model = folder.path("amperes.toml");
+    preslide(&["identify", &path, "-o", &model]).succeeds();
+    let force = folder.file("force.csv", recording(HEADER));
+    for command in [
+        &["simulate", &model, "--motion", &force][..],
+        &["diagnose", &force, "--model", &model],
+    ] {
+        preslide(command).fails(2, &["force.csv", "in N", "in A", "--map force_N=K*COLUMN"]);
+    }
+    preslide(&["export", &model, "--mjcf"]).fails(2, &["amperes.toml", "in A", "--map"]);
+    let column = folder.path("simulated.csv");
+    let run = preslide(&["simulate", &model, "--motion", &path, "-o", &column]);
+    assert!(run.succeeds().out.contains(" A"), "{}", run.out);
+    let simulated = std::fs::read_to_string(column).expect("written");
+    assert!(
+        simulated.starts_with("t_s,x_m,v_m_s,current_A"),
+        "{simulated:.80}"
+    );
 }
 
 /// Under a limit of address space, so that reading it would fail loudly.

@@ -29,6 +29,7 @@ fn every_kind_is_read_back_as_it_was_written() {
         for friction in kinds() {
             let model = Model {
                 motion,
+                effort_unit: (motion == MotionKind::Rotary).then_some("A"),
                 inertia: 3.9,
                 viscous: -0.1,
                 friction,
@@ -129,6 +130,11 @@ fn what_is_wrong_is_named_by_its_key() {
         ),
         ("force_N = 0.1", "", &["effects[1].force_N", "missing"]),
         ("model/1", "model/2", &["schema", "preslide.model/1"]),
+        (
+            "\"linear\"",
+            "\"linear\"\neffort_unit = \"N\"",
+            &["effort_unit", "A, V or raw"],
+        ),
         ("\"linear\"", "\"circular\"", &["motion", "rotary"]),
         (
             "\"linear\"",

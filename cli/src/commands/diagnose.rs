@@ -105,7 +105,7 @@ impl Diagnose {
             Ok(found) => found,
             Err(Refusal::Data(message)) => {
                 let answer = serde_json::json!({
-                    "schema": "preslide.diagnosis/1", "recording": recording.name, "verdict": "insufficient-data",
+                    "schema": "preslide.diagnosis/1", "recording": recording.name, "effort_unit": recording.effort_unit(), "verdict": "insufficient-data",
                     "fit": fit.as_ref().map(|fit| fit.to_json(&recording)), "reason": message, "effects": [], "unknown": null, "seconds": start.elapsed().as_secs_f64(),
                 });
                 self.outputs.write_json(&answer)?;

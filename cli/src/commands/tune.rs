@@ -11,7 +11,6 @@ use preslide_fit::model::Model;
 use preslide_fit::progress::Progress;
 use preslide_fit::recording::Needs;
 use preslide_fit::report::Page;
-use preslide_fit::simulate::same_axis;
 use preslide_host::cost::{CORES, Core, CostTable, DEFAULT};
 use preslide_host::tune::cores::{Comparison, OnCore, budget_on};
 use preslide_host::tune::observer::{DEMANDS, Known, Proposal, propose};
@@ -167,7 +166,7 @@ impl Tune {
             }
         } else {
             let recording = thin(self.reading.load(&self.recording, Needs::Both)?, MANY);
-            same_axis(&model, recording.kind, &recording.name).map_err(Failure::Input)?;
+            model.check_fits(&recording).map_err(Failure::Input)?;
             let options = self.split.options(&recording)?;
             let progress = Progress::new("tune", 20);
             let found = identify(&recording, &options, &progress).map_err(Failure::Data)?;

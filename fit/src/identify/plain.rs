@@ -110,6 +110,7 @@ impl Plain {
     pub fn model(self, recording: &Recording, friction: FrictionModel, linear: &[f64]) -> Model {
         let of = |term| self.coefficient(linear, term);
         let mut model = Model {
+            effort_unit: recording.role.other_unit(),
             inertia: of(Term::Mass),
             viscous: of(Term::Viscous),
             constant_force: of(Term::Offset),

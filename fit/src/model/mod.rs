@@ -11,7 +11,7 @@ mod write;
 
 use crate::effects::{Effect, form};
 use crate::friction::FrictionModel;
-use crate::recording::MotionKind;
+use crate::recording::{EffortRole, MotionKind, Recording};
 use friction::FrictionToml;
 use serde::Deserialize;
 use serde_json::Value;
@@ -31,6 +31,8 @@ pub const SCHEMA: &str = "preslide.model/1";
 pub struct Model {
     /// Linear or rotary.
     pub motion: MotionKind,
+    /// Unit of its forces where they are none: of the current, voltage or number of no unit that it was identified from.
+    pub effort_unit: Option<&'static str>,
     /// Mass (kg) or inertia (kg·m²); 0 where it is not known.
     pub inertia: f64,
     /// Viscous coefficient (N·s/m or N·m·s/rad).
@@ -71,6 +73,7 @@ pub enum ModelError {
 struct ModelToml {
     schema: String,
     motion: String,
+    effort_unit: Option<String>,
     inertia: Option<InertiaToml>,
     friction: FrictionToml,
     #[serde(default)]
@@ -109,6 +112,22 @@ impl MechanicsToml {
         .filter_map(|(key, value)| Some((key.to_owned(), value?)))
         .collect()
     }
+}
+
+/// What a model may be identified from in place of a force or torque.
+const OTHERS: [EffortRole; 3] = [EffortRole::Current, EffortRole::Voltage, EffortRole::Raw];
+
+/// The unit of one of them.
+fn unit_of_effort(given: &str) -> Result<&'static str, String> {
+    let unit = OTHERS
+        .map(EffortRole::unit)
+        .into_iter()
+        .find(|unit| *unit == given);
+    unit.ok_or_else(|| {
+        format!(
+            "effort_unit: \"{given}\" is not A, V or raw; leave it out where forces are in N or N·m"
+        )
+    })
 }
 
 /// The constant force (N or N·m), all of them added up, and the other effects; `say` puts a key in the file's words.
@@ -236,6 +255,7 @@ impl Model {
     pub fn of_friction(motion: MotionKind, friction: FrictionModel) -> Self {
         Self {
             motion,
+            effort_unit: None,
             inertia: 0.0,
             viscous: 0.0,
             friction,
@@ -243,6 +263,42 @@ impl Model {
             effects: Vec::new(),
             mechanics: Vec::new(),
         }
+    }
+
+    /// Refuses a recording of another kind of axis, or of an effort in another unit. Where the model states no unit, it is taken to have
+    /// the recording's.
+    ///
+    /// # Errors
+    /// Both, and what to do.
+    pub fn check_fits(&self, recording: &Recording) -> Result<(), String> {
+        let name = &recording.name;
+        if self.motion != recording.kind {
+            return Err(format!(
+                "{name}: the motion is {}, the model is {}; use a model of the same axis, or convert the columns with --map and the ratio of the drive",
+                recording.kind.name(),
+                self.motion.name()
+            ));
+        }
+        match self.effort_unit {
+            Some(unit) if !recording.effort.is_empty() && unit != recording.effort_unit() => {
+                Err(format!(
+                    "{name}: the effort is in {}, the model's forces are in {unit} (its effort_unit); identify it from a force, with --map force_N=K*COLUMN or torque_Nm=K*COLUMN and the drive's constant K",
+                    crate::report::units::symbol(recording.effort_unit())
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// What its forces are, by their unit.
+    pub fn effort(&self) -> EffortRole {
+        let other = OTHERS
+            .into_iter()
+            .find(|role| Some(role.unit()) == self.effort_unit);
+        other.unwrap_or(match self.motion {
+            MotionKind::Linear => EffortRole::Force,
+            MotionKind::Rotary => EffortRole::Torque,
+        })
     }
 
     /// The same with the length of an encoder count (m or rad), which `tune` asks for.
@@ -313,6 +369,11 @@ impl Model {
         let (constant_force, effects) = effects_of(&file.effects, &say)?;
         let model = Self {
             motion,
+            effort_unit: file
+                .effort_unit
+                .as_deref()
+                .map(unit_of_effort)
+                .transpose()?,
             inertia: file.inertia.map_or(0.0, |inertia| inertia.mass_kg),
             viscous: file.friction.viscous_N_s_per_m.unwrap_or(0.0),
             friction: file

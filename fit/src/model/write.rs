@@ -17,6 +17,9 @@ impl Model {
         }
         let motion = self.motion.name();
         let _ = writeln!(text, "schema = \"{SCHEMA}\"\nmotion = \"{motion}\"");
+        if let Some(unit) = self.effort_unit {
+            let _ = writeln!(text, "effort_unit = \"{unit}\"");
+        }
         if self.inertia > 0.0 {
             text.push_str("\n[inertia]\n");
             self.write(&mut text, "mass_kg", self.inertia);

@@ -155,6 +155,18 @@ impl EffortRole {
         }
     }
 
+    /// The column of the recording format.
+    pub fn column(self) -> &'static str {
+        match self {
+            EffortRole::Force => "force_N",
+            EffortRole::Friction => "friction_N",
+            EffortRole::Torque => "torque_Nm",
+            EffortRole::Current => "current_A",
+            EffortRole::Voltage => "voltage_V",
+            EffortRole::Raw => "effort_raw",
+        }
+    }
+
     /// The unit: `N`, `Nm`, `A`, `V` or `raw`.
     pub fn unit(self) -> &'static str {
         match self {
@@ -164,6 +176,11 @@ impl EffortRole {
             EffortRole::Voltage => "V",
             EffortRole::Raw => "raw",
         }
+    }
+
+    /// The unit where it is no force's or torque's.
+    pub fn other_unit(self) -> Option<&'static str> {
+        Some(self.unit()).filter(|unit| !matches!(*unit, "N" | "Nm"))
     }
 
     /// Whether accelerating the moving mass is part of the effort.
@@ -297,12 +314,11 @@ impl Recording {
 
     /// What the results mean where the effort is no force or torque; `None` where it is one.
     pub fn per_unit(&self) -> Option<String> {
-        let unit = self.effort_unit();
         let (force, mass, target) = match self.kind {
             MotionKind::Linear => ("N", "kg", "force_N"),
             MotionKind::Rotary => ("Nm", "kg_m2", "torque_Nm"),
         };
-        (!matches!(unit, "N" | "Nm")).then(|| {
+        self.role.other_unit().map(|unit| {
             format!(
                 "the effort is in {unit}: where a key or a unit says {force}, read {unit}, and where it says {mass}, read {mass} per {force}/{unit}; the drive's constant K in {force}/{unit} multiplies them all, and --map {target}=K*COLUMN brings it in"
             )

@@ -116,7 +116,7 @@ pub fn motion_in_loop(
     recording: &Recording,
     controller: &Controller,
 ) -> Result<Simulation, String> {
-    super::same_axis(model, recording.kind, &recording.name)?;
+    model.check_fits(recording)?;
     one_body(model)?;
     let piece = recording.pieces[0].clone();
     if piece.len() < 2 {
@@ -162,6 +162,7 @@ pub fn motion_in_loop(
         (recording.reference.is_some()).then(|| position_error(&position, measured, 0));
     Ok(Simulation {
         kind: recording.kind,
+        effort: model.effort(),
         t_s: t_s.to_vec(),
         velocity: Some(of(&found.v)),
         force: of(&found.force),

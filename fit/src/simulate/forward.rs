@@ -37,7 +37,7 @@ pub fn motion_with_inertia(
     recording: &Recording,
     given: usize,
 ) -> Result<Simulation, String> {
-    super::same_axis(model, recording.kind, &recording.name)?;
+    model.check_fits(recording)?;
     one_body(model)?;
     let piece = recording.pieces[0].clone();
     let mut notes = Vec::new();
@@ -84,6 +84,7 @@ pub fn motion_with_inertia(
     }
     Ok(Simulation {
         kind: recording.kind,
+        effort: model.effort(),
         t_s: t_s.to_vec(),
         position,
         velocity: Some(velocity),

@@ -10,7 +10,7 @@ mod starts;
 use crate::effects::Effect;
 use crate::friction::FrictionModel;
 use crate::model::{Measured, Model};
-use crate::recording::{MotionKind, Recording};
+use crate::recording::{EffortRole, MotionKind, Recording};
 use crate::report::figures::significant;
 use crate::signal::Kinematics;
 use crate::statistics::nmse;
@@ -23,6 +23,8 @@ pub use starts::motion_from_each;
 pub struct Simulation {
     /// Linear or rotary.
     pub kind: MotionKind,
+    /// What its forces are.
+    pub effort: EffortRole,
     /// Time \[s\].
     pub t_s: Vec<f64>,
     /// Position (m or rad).
@@ -89,22 +91,6 @@ pub struct Breakaway {
     pub force: f64,
 }
 
-/// Refuses a motion of another kind of axis than the model's.
-///
-/// # Errors
-/// Both kinds, and what to do.
-pub fn same_axis(model: &Model, kind: MotionKind, name: &str) -> Result<(), String> {
-    if model.motion == kind {
-        Ok(())
-    } else {
-        Err(format!(
-            "{name}: the motion is {}, the model is {}; use a model of the same axis, or convert the columns with --map and the ratio of the drive",
-            kind.name(),
-            model.motion.name()
-        ))
-    }
-}
-
 /// The force that a motion takes: `inertia·a + friction + viscous·v + constant force` and every effect, velocity and acceleration by
 /// the zero-phase filter of `identify`.
 ///
@@ -112,7 +98,7 @@ pub fn same_axis(model: &Model, kind: MotionKind, name: &str) -> Result<(), Stri
 /// A model of the other kind of axis, a parameter that the library refuses, or an effect that needs a column that the
 /// recording does not have.
 pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulation, String> {
-    same_axis(model, recording.kind, &recording.name)?;
+    model.check_fits(recording)?;
     let kinematics = Kinematics::of(recording);
     let (path, filter) = (kinematics.path(recording), &kinematics.filter);
     let measured = Measured {
@@ -129,8 +115,11 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
         filter.cutoff_hz()
     )];
     if !recording.effort.is_empty() {
-        notes.extend(recording.per_unit().map(|per| {
-            format!("Compared as it is, for a model identified from the same column: {per}")
+        notes.extend(recording.per_unit().map(|per| match model.effort_unit {
+            Some(_) => per,
+            None => format!(
+                "The model states no effort_unit, so it is taken to have the recording's: {per}"
+            ),
         }));
     }
     let agreement = (!recording.effort.is_empty())
@@ -138,6 +127,7 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
         .transpose()?;
     Ok(Simulation {
         kind: recording.kind,
+        effort: model.effort(),
         t_s: recording.t_s.clone(),
         position: recording.position.clone(),
         force,
@@ -240,6 +230,7 @@ pub fn motion_of_force(
     let mut inverse = inverse::inverse(&model.friction, sample_time).map_err(|e| e.to_string())?;
     let mut simulation = Simulation {
         kind: model.motion,
+        effort: model.effort(),
         t_s: Vec::new(),
         position: Vec::new(),
         velocity: None,

@@ -4,30 +4,22 @@ use super::Simulation;
 use crate::model::{Model, keys_of};
 use crate::recording::MotionKind;
 use crate::report::figures::{capital, ends, left, quantity, range as range_of};
+use crate::report::units::symbol;
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
 impl Simulation {
     fn units(&self) -> (&'static str, &'static str) {
-        match self.kind {
-            MotionKind::Linear => ("m", "N"),
-            MotionKind::Rotary => ("rad", "N·m"),
-        }
-    }
-
-    fn effort(&self) -> &'static str {
-        match self.kind {
-            MotionKind::Linear => "force",
-            MotionKind::Rotary => "torque",
-        }
+        (self.kind.unit(), symbol(self.effort.unit()))
     }
 
     /// The simulated recording, in the recording format; every number reads back as it is.
     pub fn to_csv(&self) -> String {
-        let (x, v, force) = match self.kind {
-            MotionKind::Linear => ("x_m", "v_m_s", "force_N"),
-            MotionKind::Rotary => ("q_rad", "qd_rad_s", "torque_Nm"),
+        let (x, force) = (self.kind.column(), self.effort.column());
+        let v = match self.kind {
+            MotionKind::Linear => "v_m_s",
+            MotionKind::Rotary => "qd_rad_s",
         };
         let mut text = match self.velocity {
             Some(_) => format!("t_s,{x},{v},{force}\n"),
@@ -54,6 +46,7 @@ impl Simulation {
             "schema": "preslide.simulation/1",
             "motion": self.kind.name(),
             "kind": model.friction.kind(),
+            "effort_unit": self.effort.unit(),
             "input": match (self.following, self.from_force) {
                 (Some(_), _) => "reference",
                 (None, true) => "force",
@@ -91,7 +84,7 @@ impl Simulation {
         if let Some(velocity) = &self.velocity {
             rows.push(row("velocity", velocity, &format!("{x}/s")));
         }
-        rows.push(row(self.effort(), &self.force, f));
+        rows.push(row(self.effort.name(), &self.force, f));
         Table {
             caption: format!("{} samples", self.t_s.len()),
             head: ["", "lowest", "highest", "unit"]
@@ -144,7 +137,7 @@ impl Simulation {
                 format!(
                     "The motion covers {}, the {} {}.",
                     range_of(low, high, x),
-                    self.effort(),
+                    self.effort.name(),
                     range_of(least, most, f)
                 )
             }
@@ -180,7 +173,7 @@ impl Simulation {
             None => (None, &self.force),
         };
         let figure = |title: &str, abscissa: Axis, values: &[f64]| {
-            let mut figure = Figure::new(title, abscissa, Axis::new(self.effort(), f));
+            let mut figure = Figure::new(title, abscissa, Axis::new(self.effort.name(), f));
             if let Some(measured) = measured {
                 figure = figure.with(
                     Series::line("measured", values.to_vec(), measured.clone())
@@ -195,12 +188,12 @@ impl Simulation {
         };
         [
             figure(
-                &capital(&format!("{} over position", self.effort())),
+                &capital(&format!("{} over position", self.effort.name())),
                 Axis::new("position", x),
                 &self.position,
             ),
             figure(
-                &capital(&format!("{} over time", self.effort())),
+                &capital(&format!("{} over time", self.effort.name())),
                 Axis::new("time", "s"),
                 &self.t_s,
             ),

@@ -134,6 +134,7 @@ impl Comparison {
         let answer = json!({
             "schema": "preslide.comparison/1",
             "recording": recording.name,
+            "effort_unit": recording.effort_unit(),
             "held_out": self.held_out(),
             "fit": self.identification.fit_json(recording),
             "band_Hz": self.identification.filtered.then_some(self.identification.band_hz),

@@ -166,6 +166,7 @@ impl Diagnosis {
         blocks.sort_by(|a, b| a.1.total_cmp(&b.1));
         let (stiffness, yields): (Vec<f64>, Vec<f64>) = blocks.into_iter().unzip();
         let mut model = Model {
+            effort_unit: recording.role.other_unit(),
             inertia,
             mechanics: user.map(|m| m.mechanics.clone()).unwrap_or_default(),
             ..Model::of_friction(

@@ -325,17 +325,9 @@ fn check(recording: &Recording, model: Option<&Model>) -> Result<(), Refusal> {
     if let Some(reason) = tells_nothing(recording) {
         return Err(Refusal::Data(reason));
     }
-    if let Some(model) = model
-        && model.motion != recording.kind
-    {
-        return Err(Refusal::Input(format!(
-            "motion: the model is {}, {} is {}; give the model of this machine",
-            model.motion.name(),
-            recording.name,
-            recording.kind.name()
-        )));
-    }
-    Ok(())
+    model
+        .map_or(Ok(()), |model| model.check_fits(recording))
+        .map_err(Refusal::Input)
 }
 
 /// What the user's model already has.

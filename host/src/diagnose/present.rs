@@ -43,6 +43,7 @@ impl Diagnosis {
         let answer = json!({
             "schema": "preslide.diagnosis/1",
             "recording": recording.name,
+            "effort_unit": recording.effort_unit(),
             "verdict": self.verdict.name(),
             "fit": self.fit.as_ref().map(|fit| fit.to_json(recording)),
             "baseline": { "nmse_train": self.baseline.train, "nmse_test": self.baseline.test },

@@ -71,6 +71,11 @@ impl Joint {
     /// # Errors
     /// A friction model without a level in sliding.
     pub fn of(model: &Model, format: Format) -> Result<Self, String> {
+        if let Some(unit) = model.effort_unit {
+            return Err(format!(
+                "effort_unit: the model's forces are in {unit}, and a simulator's are in N or N·m; identify it again with --map force_N=K*COLUMN or torque_Nm=K*COLUMN and the drive's constant K"
+            ));
+        }
         let mut left_out = Vec::new();
         let holds = format.holds();
         let (rest, coulomb) = levels(model, &holds, &mut left_out)?;

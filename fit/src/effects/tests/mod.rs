@@ -26,6 +26,7 @@ fn example(form: &'static Form) -> Effect {
 fn model(effects: Vec<Effect>) -> Model {
     Model {
         motion: MotionKind::Linear,
+        effort_unit: None,
         inertia: 2.0,
         viscous: 3.0,
         friction: FrictionModel::Coulomb { coulomb: 0.8 },

@@ -169,6 +169,7 @@ pub fn fit(
     let mut found = search.run(body, progress)?;
     let [limit, delay] =
         [&form::ACTUATOR_SATURATION, &form::CHANNEL_DELAY].map(|form| coulomb.of(form).next());
+    found.model.effort_unit = coulomb.effort_unit;
     found
         .model
         .effects

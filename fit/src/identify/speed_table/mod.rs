@@ -314,6 +314,7 @@ impl SpeedTable {
         }
         Ok(Model {
             motion: self.speeds.kind,
+            effort_unit: self.speeds.role.other_unit(),
             inertia: 0.0,
             viscous: 0.5 * (forward + backward),
             friction: FrictionModel::Coulomb { coulomb },
