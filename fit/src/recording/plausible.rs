@@ -96,6 +96,8 @@ const LONGEST_OF_SCAN: f64 = 100.0;
 const MOST_PLACES: f64 = 100.0;
 /// A turn in degrees: what a joint's angle stays within.
 const TURN: f64 = 361.0;
+/// A soft loop falls short of its reference, but not thirty times; the next unit is 57 or 1000 times this one.
+const FOLLOWS: f64 = 30.0;
 /// A recorded velocity is the position's where it is between half and twice as fast; another unit explains it to this share.
 const AGREES: f64 = 2.0;
 const EXPLAINS: f64 = 1.03;
@@ -272,26 +274,37 @@ impl Recording {
         (seen && share > 0.1).then_some(inertia)
     }
 
-    /// How many times the recorded velocity the position goes, where the two go together and it is neither.
-    fn disagreement(&self) -> Option<f64> {
-        let velocity = self
-            .velocity
-            .as_ref()
-            .filter(|_| !self.position_integrated)?;
+    /// How many times its recorded velocity, or its reference, the position goes, where the two go together and it is neither.
+    fn disagreement(&self, agrees: f64, path: impl Fn(usize, usize) -> f64) -> Option<f64> {
         let (places, half) = self.places();
         let (mut both, mut squares, mut gone) = (0.0, 0.0, 0.0);
         for i in places {
             let (from, to) = (i - half, i + half);
             let step = self.position[to] - self.position[from];
-            let mean = velocity[from..=to].iter().sum::<f64>() / (2 * half + 1) as f64;
-            let path = mean * (self.t_s[to] - self.t_s[from]);
+            let path = path(from, to);
             both += step * path;
             squares += path * path;
             gone += step * step;
         }
         let together = both > 0.0 && both * both > 0.9 * squares * gone;
         let times = both / squares;
-        (together && !(AGREES.recip()..AGREES).contains(&times)).then_some(times)
+        (together && !(agrees.recip()..agrees).contains(&times)).then_some(times)
+    }
+
+    /// By the recorded velocity.
+    fn against_velocity(&self) -> Option<f64> {
+        let recorded = self.velocity.as_ref();
+        let velocity = recorded.filter(|_| !self.position_integrated)?;
+        self.disagreement(AGREES, |from, to| {
+            let mean = velocity[from..=to].iter().sum::<f64>() / (to - from + 1) as f64;
+            mean * (self.t_s[to] - self.t_s[from])
+        })
+    }
+
+    /// By the reference.
+    fn against_reference(&self) -> Option<f64> {
+        let reference = self.reference.as_ref()?;
+        self.disagreement(FOLLOWS, |from, to| reference[to] - reference[from])
     }
 
     /// What it shows of its machine.
@@ -408,15 +421,21 @@ impl Recording {
                 range,
             );
         }
-        if let Some(times) = self.disagreement() {
-            let said = format!("a position that goes {times:.4} times its recorded velocity");
-            let powers = plus(plus(place, STEP, -1), [0, 0, 1, 0], -1);
-            show(
-                said,
-                times,
-                powers,
-                [EXPLAINS.recip(), EXPLAINS, EXPLAINS, 1.0],
-            );
+        let velocity = plus(plus(place, STEP, -1), [0, 0, 1, 0], -1);
+        let others = [
+            (
+                "recorded velocity",
+                self.against_velocity(),
+                velocity,
+                EXPLAINS,
+            ),
+            ("reference", self.against_reference(), place, AGREES),
+        ];
+        for (other, times, powers, most) in others {
+            let Some(times) = times else { continue };
+            let said = format!("a position that goes {times:.4} times its {other}");
+            let range = [most.recip(), most, most, 1.0];
+            show(said, times, powers, range);
         }
         shown
     }

@@ -239,6 +239,23 @@ fn a_mass_that_no_machine_has_is_asked_about() {
     assert!(!warns(&right, "implausible"), "{:?}", right.warnings);
 }
 
+/// A position that goes a thousand times its reference is in another unit.
+#[test]
+fn a_position_far_from_its_reference_is_asked_about() {
+    let csv = |millimetres: f64| {
+        let rows = run(&MACHINES[6])
+            .into_iter()
+            .map(|[t, x, _, f]| format!("{t:.6},{:.9},{x:.9},{f:.6}\n", millimetres * x));
+        format!("t_s,x_m,x_ref_m,force_N\n{}", rows.collect::<String>())
+    };
+    let asked = text(&csv(1e3), &[]).expect("read");
+    let asked = said(&asked, "implausible");
+    let parts = ["1000.0000 times its reference", "--map 'x_m=0.001*x_m'"];
+    assert!(parts.iter().all(|part| asked.contains(part)), "{asked}");
+    let right = text(&csv(1.0), &[]).expect("read");
+    assert!(!warns(&right, "implausible"), "{:?}", right.warnings);
+}
+
 /// A file whose names say no unit, mapped as what it is in; `None` where its names are other ones.
 fn bare(path: &Path) -> Option<Recording> {
     let known = [
