@@ -80,7 +80,7 @@ fn give(line: &impl Fn(&mut Answer)) -> bool {
 /// Columns at which sentences are broken at most.
 const WIDTH: usize = 100;
 /// How lines begin that are to be copied as they stand.
-const WHOLE: [&str; 3] = ["Next: ", "Try: ", "preslide "];
+const WHOLE: [&str; 4] = ["Next: ", "Next, on the axis: ", "Try: ", "preslide "];
 
 /// The work of `explain!`.
 pub(super) fn for_reader(text: String, of: impl std::io::IsTerminal) -> String {
