@@ -175,7 +175,7 @@ impl Export {
             write_text(source, &c.source)?;
             write_text(&header, &c.header)?;
             self.write_json(options.remarks, kernel, &[])?;
-            if self.rate.is_none() && options.rate.is_some() && c.source.contains("_RATE_HZ") {
+            if self.rate.is_none() && options.rate.is_some() && c.header.contains("_RATE_HZ") {
                 tell!("{name}_step is for 20 kHz; --rate gives another.");
             }
             tell!(

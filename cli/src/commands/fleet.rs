@@ -200,7 +200,7 @@ impl Fleet {
         let unread = match unread(rows).join(", ") {
             axes if axes.is_empty() => axes,
             axes => format!(
-                " Newer files of {axes} could not be read: of those the last recording that could is compared."
+                " Newer files of {axes} could not be read; the last recording that could be is compared."
             ),
         };
         format!(

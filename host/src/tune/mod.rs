@@ -182,16 +182,12 @@ fn unseen_note(friction: &FrictionModel, count: f64, unit: &str) -> Option<Strin
         .iter()
         .filter(|b| b.yield_displacement(breakaway) < count);
     let (unseen, all) = (within.count(), blocks.len());
-    let of = match unseen {
-        0 => return None,
-        _ if unseen == all => "every block yields".to_owned(),
-        1 => format!("one of {all} blocks yields"),
-        _ => format!("{unseen} of {all} blocks yield"),
-    };
-    Some(format!(
-        "{of} within one encoder count ({}), which does not see it",
-        quantity(count, unit)
-    ))
+    (unseen > 0).then(|| {
+        format!(
+            "blocks that yield within one encoder count ({}), unseen by the encoder: {unseen} of {all}",
+            quantity(count, unit)
+        )
+    })
 }
 
 /// A motion in counts.
