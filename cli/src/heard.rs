@@ -80,7 +80,7 @@ fn give(line: &impl Fn(&mut Answer)) -> bool {
 /// Columns at which sentences are broken at most.
 const WIDTH: usize = 100;
 /// How lines begin that are to be copied as they stand.
-const WHOLE: [&str; 3] = ["Next: ", "Try: ", "preslide "];
+const WHOLE: [&str; 4] = ["Next: ", "Next, on the axis: ", "Try: ", "preslide "];
 
 /// The work of `explain!`.
 pub(super) fn for_reader(text: String, of: impl std::io::IsTerminal) -> String {
@@ -142,29 +142,43 @@ fn printable(line: std::fmt::Arguments) -> String {
 
 /// The work of `say!`.
 pub(super) fn say_line(line: std::fmt::Arguments) {
-    use std::io::Write;
     let line = printable(line);
     if give(&|called| called.said += &format!("{line}\n")) {
         return;
     }
     if TAKEN.load(Ordering::Relaxed) {
-        eprintln!("{line}");
-        return;
+        return to_stderr(&line);
     }
-    match writeln!(std::io::stdout(), "{line}") {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            eprintln!("preslide: standard output: {error}");
-            std::process::exit(1);
-        }
-        _ => {}
+    if let Err(error) = to_stdout(&format!("{line}\n")) {
+        to_stderr(&format!("preslide: standard output: {error}"));
+        std::process::exit(1);
     }
+}
+
+/// Writes to standard output. That its reader has seen enough is no failure.
+pub(super) fn to_stdout(text: &str) -> std::io::Result<()> {
+    use std::io::Write;
+    let mut stdout = std::io::stdout();
+    match stdout
+        .write_all(text.as_bytes())
+        .and_then(|()| stdout.flush())
+    {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        written => written,
+    }
+}
+
+/// Writes a line to stderr. Where that is closed, there is nobody to tell; `eprintln!` would end the program.
+fn to_stderr(line: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 /// The work of `tell!`.
 pub(super) fn tell_line(line: std::fmt::Arguments) {
     let line = printable(line);
     if !give(&|called| called.told.push(line.clone())) {
-        eprintln!("{}", for_reader(line, std::io::stderr()));
+        to_stderr(&for_reader(line, std::io::stderr()));
     }
 }
 

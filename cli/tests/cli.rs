@@ -261,11 +261,25 @@ fn a_plan_keeps_to_the_axis_that_is_named() {
             "--speed 4e-3 exceeds limits.speed, 3e-3",
         ],
     );
-    plan(&["--travel", "2mm"]).succeeds();
     plan(&["--travel", "2", "--smallest", "0.01"]).fails(2, &["`2` has no unit", "2mm"]);
     preslide(&["plan", "--rotary", "--travel", "90deg", "-o", &motion])
-        .fails(2, &["--speed 90deg/s", "--acceleration", "rad/s²"]);
+        .fails(2, &["--speed 90deg/s --acceleration 720deg/s2", "--axis"]);
+    preslide(&["plan", "-o", &motion]).fails(
+        2,
+        &[
+            "--travel 4mm --speed 2mm/s --acceleration 0.1m/s2",
+            "--axis",
+        ],
+    );
+    assert!(!std::path::Path::new(&motion).exists());
     preslide(&["plan", "--axis", "none.toml", "-o", &motion]).fails(2, &["none.toml", "axis.toml"]);
+    plan(&["--acceleration", "1"]).fails(2, &["1m/s2", "1deg/s2"]);
+    let planned = plan(&["--travel", "2mm"]);
+    let said = &planned.succeeds().out;
+    assert!(
+        said.contains("axis.toml: travel") && said.contains("speed 3.00 mm/s"),
+        "{said}"
+    );
 }
 
 /// 4 mm are no 4 mrad, whichever option they are given for.
@@ -298,7 +312,17 @@ fn an_angle_is_no_length_and_a_number_no_clock() {
         ],
     );
     refused(
-        &["plan", "-o", &out, "--travel", "90deg"],
+        &[
+            "plan",
+            "-o",
+            &out,
+            "--travel",
+            "90deg",
+            "--speed",
+            "2mm/s",
+            "--acceleration",
+            "1m/s2",
+        ],
         &["--travel 90deg is of an angle", "mm"],
     );
     let tune = ["tune", &model, "--count"];

@@ -234,3 +234,22 @@ fn outputs_are_refused_alike_before_any_work() {
     );
     assert_eq!(std::fs::read_to_string(&model).expect("there"), MODEL);
 }
+
+/// `preslide … 2>&1 | head`: a reader that has seen enough loses no file.
+#[test]
+fn a_closed_pipe_ends_nothing() {
+    let folder = Folder::new();
+    let rec = folder.file("rec.csv", recording(HEADER));
+    let [json, page] = ["answer.json", "page.html"].map(|name| folder.path(name));
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_preslide"))
+        .args(["identify", &rec, "--json", &json, "--report", &page])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("the binary runs");
+    drop((child.stdout.take(), child.stderr.take()));
+    assert_eq!(child.wait().expect("an end").code(), Some(0));
+    for file in [json, page] {
+        assert!(std::path::Path::new(&file).exists(), "{file}");
+    }
+}

@@ -438,6 +438,29 @@ fn bad_input_is_bounded_and_nothing_is_undefined() {
     }
 }
 
+/// As the help has it: what was assumed of the controller is said.
+#[test]
+fn a_kernel_that_needs_a_rate_is_for_20_khz() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let run = Command::new(env!("CARGO_BIN_EXE_preslide"))
+        .current_dir(folder.path())
+        .args(["export", &file("full.toml").display().to_string()])
+        .args([
+            "--lang",
+            "c",
+            "--kernel",
+            "count_gms_i16f16",
+            "-o",
+            "stage_model.c",
+        ])
+        .args(["--count", "25e-9", "--without", "periodic_force"])
+        .output()
+        .expect("the binary runs");
+    assert!(run.status.success() && text(&run.stderr).contains("20 kHz"));
+    let header = std::fs::read_to_string(folder.path().join("stage_model.h")).expect("written");
+    assert!(header.contains("RATE_HZ 20000"), "{header}");
+}
+
 #[test]
 fn what_c_needs_and_lacks_is_said() {
     let model = |name: &str| file(&format!("{name}.toml")).display().to_string();
@@ -510,15 +533,6 @@ fn what_c_needs_and_lacks_is_said() {
     ];
     let error = whole("full", "count_gms_i16f16", &bound);
     assert!(error.contains("a lower --limit"), "{error}");
-    let error = whole(
-        "full",
-        "count_gms_i16f16",
-        &["--count", "25e-9", "--without", "periodic_force"],
-    );
-    assert!(
-        error.contains("--rate") && error.contains("Stribeck"),
-        "{error}"
-    );
     let error = refused(&[&model("plain"), "--rate", "1000"]);
     assert!(error.contains("--lang c"), "{error}");
 }

@@ -116,12 +116,15 @@ fn a_fleet_has_one_row_per_recording_and_resumes() {
     assert_eq!(counts, [21, 3, 21]);
     assert_eq!(summary["errors"][0]["file"], "axis2/2026-11-03.csv");
     assert_eq!(summary["errors"][0]["reason"], column(&csv, "error")[16]);
-    let alarms = column(&csv, "alarm")
-        .iter()
-        .filter(|a| *a == "true")
-        .count();
-    assert_eq!(summary["with_alarm"], alarms);
-    let worn = &summary["newest"][0];
+    let counts = ["with_history", "with_alarm"].map(|key| summary[key].as_u64().expect(key));
+    assert_eq!(counts, [3, 1]);
+    assert!(
+        summary["newest_unread"]
+            .as_array()
+            .expect("axes")
+            .is_empty()
+    );
+    let worn = &summary["newest"][0].clone();
     assert_eq!(
         (&worn["axis"], &worn["alarm"]),
         (&"axis1".into(), &true.into())
@@ -135,6 +138,31 @@ fn a_fleet_has_one_row_per_recording_and_resumes() {
         .collect();
     assert_eq!((column(&csv, "axis").len(), levels.len()), (21, 20));
     assert!((levels[13] / levels[12] - 1.33).abs() < 0.05, "{levels:?}");
+
+    // A logger that failed after the day that raised the alarm does not hide it.
+    let empty = folder.path().join("line/axis1/2026-11-08.csv");
+    std::fs::write(&empty, "").expect("written");
+    let failed = run(
+        folder.path(),
+        &[
+            "line",
+            "-o",
+            "fleet.csv",
+            "--fit-only",
+            "--json",
+            "fleet.json",
+        ],
+    );
+    std::fs::remove_file(&empty).expect("removed");
+    let said = text(&failed.stdout);
+    assert!(
+        said.contains("raises an alarm on 1 of them: axis1")
+            && said.contains("Newer files of axis1 could not be read"),
+        "{said}"
+    );
+    let summary: serde_json::Value = serde_json::from_str(&table("fleet.json")).expect("a summary");
+    assert_eq!(summary["newest"][0], *worn);
+    assert_eq!(summary["newest_unread"], serde_json::json!(["axis1"]));
 
     // Killed while it wrote the ninth row.
     let journal = folder.path().join("fleet.csv.rows.jsonl");

@@ -50,7 +50,7 @@ def test_every_number_has_its_unit():
         "diagnose {short} --model {wrong} --experiment {motion}",
         "diagnose {twin} --simulated force_sim_N",
         "fleet {short} {recording} --output {fleet}",
-        "plan --travel 4mm --output {motion}",
+        "plan --travel 4mm --speed 2mm/s --acceleration 0.1m/s2 --output {motion}",
         "plan --rotary --travel 90deg --speed 90deg/s --acceleration 720deg/s2 --output {motion}",
         "export {model} --output {source}",
         "export {model} --mjcf --output {source}",

@@ -1,7 +1,7 @@
 //! `preslide diagnose`.
 
 use super::outputs::is_stdout;
-use super::{Failure, OutputArgs, RecordingArgs, command_line, thin, write_text};
+use super::{Failure, OutputArgs, RecordingArgs, command_line, in_words, thin, write_text};
 use clap::Args;
 use preslide_fit::model::Model;
 use preslide_fit::progress::Progress;
@@ -181,7 +181,12 @@ impl Diagnose {
                     write_text(path, &next.csv(column))?;
                     experiment =
                         serde_json::json!({ "about": next.about, "seconds": next.seconds() });
-                    say!("{}: {}.", path.display(), next.words());
+                    explain!("{}: {}.", path.display(), next.words());
+                    let play = ["preslide", "drive", "PORT", "play"].map(str::to_owned);
+                    let to = ["-o", "axis2.csv"].map(str::to_owned);
+                    let file = [path.display().to_string()];
+                    let play = in_words(play.into_iter().chain(file).chain(to));
+                    say!("Next, on the axis: {play}");
                 }
                 None => say!(
                     "Nothing is in doubt that an experiment could decide: {} is not written.",

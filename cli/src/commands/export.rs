@@ -38,7 +38,7 @@ pub struct Export {
     #[arg(long, value_enum, default_value_t = Lang::Rust, conflicts_with_all = ["mjcf", "urdf", "usd"])]
     lang: Lang,
 
-    /// Ticks per second (Hz), for C code of models that depend on time, and for --kernel auto [default there: 20 kHz]
+    /// Ticks per second (Hz), for C code of models that depend on time, and for --kernel [default there: 20 kHz]
     #[arg(long, value_name = "HZ", value_parser = parse_frequency)]
     rate: Option<f64>,
 
@@ -82,6 +82,9 @@ pub struct Export {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }
+
+/// Ticks per second of a kernel, where nothing is said.
+const RATE_HZ: f64 = 20e3;
 
 /// What firmware is written in.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -162,7 +165,7 @@ impl Export {
         let options = Options {
             remarks,
             limit: self.limit,
-            rate: self.rate,
+            rate: self.rate.or(kernel.is_some().then_some(RATE_HZ)),
             count: count.transpose()?,
             kernel,
         };
@@ -172,6 +175,9 @@ impl Export {
             write_text(source, &c.source)?;
             write_text(&header, &c.header)?;
             self.write_json(options.remarks, kernel, &[])?;
+            if self.rate.is_none() && options.rate.is_some() && c.header.contains("_RATE_HZ") {
+                tell!("{name}_step is for 20 kHz; --rate gives another.");
+            }
             tell!(
                 "Compile {} with the firmware; {name}_rest once, then {name}_step each tick, as its header says.",
                 source.display()
@@ -197,7 +203,7 @@ impl Export {
             None => return Ok(None),
             Some("auto") => {
                 let count = count_of(self.count.as_ref(), model, &self.model)?;
-                let (costs, budget) = plan(&self.cpu, None, self.rate.unwrap_or(20e3), SHARE)
+                let (costs, budget) = plan(&self.cpu, None, self.rate.unwrap_or(RATE_HZ), SHARE)
                     .map_err(Failure::Input)?;
                 let tuning = of_model(model, count, &costs, budget).map_err(Failure::Input)?;
                 let choice = tuning.chosen().map_err(|reason| {

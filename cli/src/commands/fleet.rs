@@ -5,7 +5,7 @@ use super::{Failure, OutputArgs, ReadingArgs, command_line, outputs};
 use clap::Args;
 use preslide_fit::progress::Progress;
 use preslide_host::fleet::history::{Change, FEWEST, changes};
-use preslide_host::fleet::page::{page, ranking, table, to_json};
+use preslide_host::fleet::page::{page, ranking, table, to_json, unread};
 use preslide_host::fleet::table::{columns, write_csv, write_parquet};
 use preslide_host::fleet::{
     Depth, Journal, Member, Part, Row, is_begun, is_journal, members, rows,
@@ -197,8 +197,14 @@ impl Fleet {
                 many.join(", ")
             ),
         };
+        let unread = match unread(rows).join(", ") {
+            axes if axes.is_empty() => axes,
+            axes => format!(
+                " Newer files of {axes} could not be read; the last recording that could be is compared."
+            ),
+        };
         format!(
-            "{} of {}, {failed} without an answer. {told} At most {} % of unchanged recordings raise an alarm.",
+            "{} of {}, {failed} without an answer. {told}{unread} At most {} % of unchanged recordings raise an alarm.",
             many(rows.len(), "recording", "recordings"),
             many(axes, "axis", "axes"),
             100.0 * self.false_alarms

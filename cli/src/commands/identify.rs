@@ -1,6 +1,8 @@
 //! `preslide identify`.
 
-use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, thin, write_text};
+use super::{
+    Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, quoted, thin, write_text,
+};
 use clap::Args;
 use preslide_fit::identify::family::Family;
 use preslide_fit::identify::{Identification, MANY, Options, STEPS, identify, motion, speed_table};
@@ -163,7 +165,17 @@ impl Identify {
         let seconds = start.elapsed().as_secs_f64();
         let page = || found.page(&recording, command_line());
         self.outputs
-            .write(&found.to_json(&recording, seconds), page)
+            .write(&found.to_json(&recording, seconds), page)?;
+        match self.output.as_deref() {
+            Some(model) => say!("Next: {}", self.recordings.command("diagnose", Some(model))),
+            None => self.say_to_write(),
+        }
+        Ok(())
+    }
+
+    /// The same once more, for the model.
+    fn say_to_write(&self) {
+        say!("Next: {} -o model.toml", command_line());
     }
 
     /// What is said of the next second.
@@ -180,7 +192,12 @@ impl Identify {
         let seconds = start.elapsed().as_secs_f64();
         let page = || found.page(&recording, command_line());
         self.outputs
-            .write(&found.to_json(&recording, seconds), page)
+            .write(&found.to_json(&recording, seconds), page)?;
+        say!(
+            "Next: {} -o model.toml",
+            self.recordings.command("identify", None)
+        );
+        Ok(())
     }
 
     /// The answer from a table of speed and effort without time.
@@ -211,7 +228,16 @@ impl Identify {
         }
         let seconds = start.elapsed().as_secs_f64();
         let page = || found.page(command_line());
-        self.outputs.write(&found.to_json(seconds), page)
+        self.outputs.write(&found.to_json(seconds), page)?;
+        match self.output.as_deref() {
+            Some(model) => say!(
+                "Next: preslide export {} -o stage_model.rs",
+                quoted(model.display().to_string())
+            ),
+            None if found.model().is_ok() => self.say_to_write(),
+            None => {}
+        }
+        Ok(())
     }
 }
 

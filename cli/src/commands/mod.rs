@@ -89,7 +89,7 @@ impl From<anyhow::Error> for Failure {
 /// Which axis.
 #[derive(Args, Clone, Debug)]
 pub struct AxisArgs {
-    /// The description of the axis [default: what PRESLIDE_AXIS names, or else the project's own axis.toml]
+    /// The description of the axis [default: what PRESLIDE_AXIS names, or else, but for a plan, the project's own axis.toml]
     #[arg(long, value_name = "AXIS.toml")]
     axis: Option<PathBuf>,
 }
@@ -105,9 +105,10 @@ impl AxisArgs {
         self.axis.iter().map(PathBuf::as_path).collect()
     }
 
-    /// Somebody chose it.
-    pub fn is_chosen(&self) -> bool {
-        self.axis.is_some() || std::env::var_os(preslide_axis::VARIABLE).is_some()
+    /// The file that somebody chose.
+    pub fn chosen(&self) -> Option<PathBuf> {
+        let of_variable = || std::env::var_os(preslide_axis::VARIABLE).map(PathBuf::from);
+        self.axis.clone().or_else(of_variable)
     }
 }
 

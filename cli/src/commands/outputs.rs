@@ -1,7 +1,7 @@
 //! The files that a command writes: checked before any work, written beside and renamed, `-` for standard output.
 
 use super::{Failure, OutputArgs};
-use crate::heard::take_stdout;
+use crate::heard::{take_stdout, to_stdout};
 use std::path::{Path, PathBuf};
 
 /// Whether a path stands for standard output.
@@ -172,9 +172,7 @@ pub fn write_json(path: &Path, answer: &serde_json::Value) -> Result<(), Failure
 /// The reason, with the path.
 pub fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
     if is_stdout(path) {
-        use std::io::Write;
-        let written = std::io::stdout().write_all(text.as_bytes());
-        return written.map_err(|e| Failure::Tool(format!("standard output: {e}")));
+        return to_stdout(text).map_err(|e| Failure::Tool(format!("standard output: {e}")));
     }
     write_with(path, |path| Ok(std::fs::write(path, text)?))
 }

@@ -6,12 +6,13 @@ use super::{
 use clap::{Args, ValueEnum};
 use preslide_drive::quantity::{self, Quantity};
 use preslide_fit::recording::MotionKind;
+use preslide_fit::report::figures;
 use preslide_host::plan::{Show, Wish, plan};
 use std::path::PathBuf;
 
 /// Write a motion that shows friction: nested reversals from different places, passes at several speeds
 ///
-/// It begins and ends at 0 and stays within ± half of the travel. Defaults come from the axis's limits.
+/// It begins and ends at 0 and stays within ± half of the travel. Without --axis, travel, speed and acceleration must be given.
 #[derive(Args)]
 #[command(
     after_help = "Example: preslide plan --travel 4mm --speed 2mm/s --acceleration 0.1m/s2 -o motion.csv\n\
@@ -47,15 +48,15 @@ pub struct Plan {
 /// How far, how fast and how often.
 #[derive(Args, Clone, Debug)]
 pub struct WishArgs {
-    /// Whole travel: 4mm, or 90deg with --rotary [default: four fifths of the axis's travel]
+    /// Whole travel: 4mm, or 90deg with --rotary [default: four fifths of the axis's, if it is known]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     travel: Option<Quantity>,
 
-    /// Largest speed: 2mm/s [default: half of limits.speed]
+    /// Largest speed: 2mm/s [default: half of the axis's limit, if it is known]
     #[arg(long, value_name = "SPEED", value_parser = speed)]
     speed: Option<Quantity>,
 
-    /// Largest acceleration: 0.1m/s2 [default: half of limits.acceleration]
+    /// Largest acceleration: 0.1m/s2 [default: half of the axis's limit, if it is known]
     #[arg(long, value_name = "ACCELERATION", value_parser = acceleration)]
     acceleration: Option<Quantity>,
 
@@ -69,25 +70,25 @@ pub struct WishArgs {
 }
 
 /// A motion's length or speed is given with its unit: a bare 4 was meant in mm as often as in m.
-fn stated(text: &str) -> Result<&str, String> {
+fn stated<'a>(text: &'a str, per: &str) -> Result<&'a str, String> {
     match text.trim().parse::<f64>() {
         Ok(_) => Err(format!(
-            "`{text}` has no unit; give {text}mm, {text}m or, with --rotary, {text}deg"
+            "`{text}` has no unit; give {text}mm{per}, {text}m{per} or, with --rotary, {text}deg{per}"
         )),
         Err(_) => Ok(text),
     }
 }
 
 fn length(text: &str) -> Result<Quantity, String> {
-    stated(text).and_then(quantity::positive_length)
+    stated(text, "").and_then(quantity::positive_length)
 }
 
 fn speed(text: &str) -> Result<Quantity, String> {
-    quantity::positive(stated(text).and_then(quantity::speed))
+    quantity::positive(stated(text, "/s").and_then(quantity::speed))
 }
 
 fn acceleration(text: &str) -> Result<Quantity, String> {
-    quantity::positive(stated(text).and_then(quantity::acceleration))
+    quantity::positive(stated(text, "/s2").and_then(quantity::acceleration))
 }
 
 impl WishArgs {
@@ -163,31 +164,38 @@ enum What {
 }
 
 impl Plan {
-    /// The project's own axis is linear: its limits say nothing of one that turns.
-    fn check_rotary(&self) -> Result<(), Failure> {
+    /// Without an axis of the user's nothing is known of its limits: those of another would drive a shorter one into its stop.
+    fn check_limits(&self) -> Result<(), Failure> {
         let needed = [
-            ("--travel 90deg", &self.wish.travel),
-            ("--speed 90deg/s", &self.wish.speed),
-            ("--acceleration 720deg/s2", &self.wish.acceleration),
+            ("--travel 4mm", "--travel 90deg", &self.wish.travel),
+            ("--speed 2mm/s", "--speed 90deg/s", &self.wish.speed),
+            (
+                "--acceleration 0.1m/s2",
+                "--acceleration 720deg/s2",
+                &self.wish.acceleration,
+            ),
         ];
-        let missing = needed.iter().filter(|(_, given)| given.is_none());
-        let missing: Vec<&str> = missing.map(|(example, _)| *example).collect();
-        match !self.rotary || self.axis.is_chosen() || missing.is_empty() {
+        let missing = needed.iter().filter(|(_, _, given)| given.is_none());
+        let missing =
+            missing.map(|(linear, rotary, _)| if self.rotary { *rotary } else { *linear });
+        let missing: Vec<&str> = missing.collect();
+        match self.axis.chosen().is_some() || missing.is_empty() {
             true => Ok(()),
             false => Err(Failure::Input(format!(
-                "--rotary: the project's own axis.toml is of a linear axis; give {}, or --axis with limits in rad, rad/s and rad/s²",
-                missing.join(", ")
+                "the limits of the axis are not known; give them, such as {}, or --axis AXIS.toml",
+                missing.join(" ")
             ))),
         }
     }
 
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
-        self.check_rotary()?;
+        self.check_limits()?;
         self.wish.check(self.rotary)?;
         let limits = self.axis.read()?.axis().limits;
         let length = limits.travel.map(|(low, high)| high - low);
         let top = [limits.speed, limits.acceleration];
+        let kind = MotionKind::turning(self.rotary);
         let wish = Wish {
             show: match self.show {
                 What::Presliding => Show::Presliding,
@@ -195,15 +203,26 @@ impl Plan {
                 What::All => Show::All,
             },
             rate: self.rate,
-            ..self.wish.wish(length, top, self.axis.is_chosen())?
+            ..self.wish.wish(length, top, self.axis.chosen().is_some())?
         };
         outputs::check(
             &self.axis.file(),
             &[("-o", Some(&self.output))],
             Some(&self.outputs),
         )?;
+        if let Some(file) = self.axis.chosen() {
+            let unit = kind.unit();
+            let travel =
+                length.map(|length| format!("travel {}, ", figures::quantity(length, unit)));
+            say!(
+                "Limits of {}: {}speed {}, acceleration {}.",
+                file.display(),
+                travel.unwrap_or_default(),
+                figures::quantity(limits.speed, &format!("{unit}/s")),
+                figures::quantity(limits.acceleration, &format!("{unit}/s²"))
+            );
+        }
         let planned = plan(&wish).map_err(Failure::Input)?;
-        let kind = MotionKind::turning(self.rotary);
         write_text(&self.output, &planned.csv(kind))?;
         say!("{}", planned.words(kind));
         self.outputs.write(&planned.to_json(kind), || {

@@ -325,7 +325,12 @@ impl Family {
     pub(super) fn search(self) -> Search {
         match self {
             Family::Dahl => Search {
-                bounds: |span| vec![span.length("F_c/sigma_0", 1.0), bounded("n", 0.1, 5.0)],
+                bounds: |span| {
+                    vec![
+                        span.length("pre-sliding length", 1.0),
+                        bounded("exponent", 0.1, 5.0),
+                    ]
+                },
                 model: |place, coulomb, _| {
                     let [length, exponent] = place.try_into().ok()?;
                     Some(FrictionModel::Dahl {
@@ -336,7 +341,7 @@ impl Family {
                 },
             },
             Family::DahlLinear => Search {
-                bounds: |span| vec![span.length("F_c/sigma_0", 1.0)],
+                bounds: |span| vec![span.length("pre-sliding length", 1.0)],
                 model: |place, coulomb, _| {
                     let [length] = place.try_into().ok()?;
                     Some(FrictionModel::Dahl {
@@ -349,7 +354,7 @@ impl Family {
             Family::LuGre => Search {
                 bounds: |span| {
                     vec![
-                        span.length("F_s/sigma_0", 1.0),
+                        span.length("pre-sliding length", 1.0),
                         weakening(),
                         span.stribeck_velocity(),
                     ]
@@ -367,9 +372,9 @@ impl Family {
             Family::BoucWen => Search {
                 bounds: |span| {
                     vec![
-                        span.length("F_c/sigma_0", 1.0),
-                        bounded("n", 1.0, 10.0),
-                        bounded("sigma", 0.5, 2.0),
+                        span.length("pre-sliding length", 1.0),
+                        bounded("exponent", 1.0, 10.0),
+                        bounded("shape", 0.5, 2.0),
                     ]
                 },
                 model: |place, coulomb, _| {
@@ -385,8 +390,8 @@ impl Family {
             Family::ElastoPlastic => Search {
                 bounds: |span| {
                     vec![
-                        span.length("F_s/sigma_0", 1.0),
-                        bounded("z_ba*sigma_0/F_c", 0.01, 0.9),
+                        span.length("pre-sliding length", 1.0),
+                        bounded("elastic share of the pre-sliding length", 0.01, 0.9),
                         weakening(),
                         span.stribeck_velocity(),
                     ]
@@ -410,7 +415,7 @@ impl Family {
                         span.length("transition length", 1.0),
                         // 1 is an exponential; below it the curve is the steeper at its start.
                         bounded("transition exponent", 0.3, 1.0),
-                        bounded("n", 1.0, 20.0),
+                        bounded("exponent", 1.0, 20.0),
                     ]
                 },
                 model: |place, breakaway, damping| {
@@ -445,11 +450,11 @@ impl Family {
             Family::Hsieh => Search {
                 bounds: |span: &Span| {
                     vec![
-                        span.length("1/beta", 1.0),
-                        bounded("k_2s/(beta*k_1s)", 0.1 * span.longest, 1e3 * span.longest),
-                        bounded("rho", 0.01 / span.duration, 3.0 / span.sample_time),
-                        bounded("1/psi", 1e-3 * span.shortest, 10.0 * span.longest),
-                        bounded("a", 0.5, 10.0),
+                        span.length("pre-sliding length", 1.0),
+                        bounded("linear stiffness", 0.1 * span.longest, 1e3 * span.longest),
+                        bounded("creep", 0.01 / span.duration, 3.0 / span.sample_time),
+                        bounded("hardening", 1e-3 * span.shortest, 10.0 * span.longest),
+                        bounded("hardening exponent", 0.5, 10.0),
                     ]
                 },
                 // The hardening scales with the amplitude as `ψ = ψ'·amplitudeᵃ`.

@@ -28,7 +28,7 @@ impl Span {
     }
 
     pub(super) fn stribeck_velocity(&self) -> Bounded {
-        bounded("v_s", 1e-3 * self.speed, 3.0 * self.speed)
+        bounded("stribeck velocity", 1e-3 * self.speed, 3.0 * self.speed)
     }
 }
 
@@ -49,7 +49,7 @@ pub(super) fn bounded(name: &'static str, from: f64, to: f64) -> Bounded {
 
 /// Breakaway at more than three times the sliding force is no dry or lubricated contact.
 pub(super) fn weakening() -> Bounded {
-    bounded("F_c/F_s", 1.0 / 3.0, 1.0)
+    bounded("coulomb over breakaway", 1.0 / 3.0, 1.0)
 }
 
 /// The exponent of LuGre's Stribeck curve; one recording seldom separates it from the Stribeck velocity.

@@ -89,10 +89,11 @@ impl Identification {
     pub fn choose(&mut self, blocks: usize) -> Result<(), String> {
         let wanted =
             |c: &Candidate| c.size() == blocks && (blocks == 0 || c.method == Method::Optimal);
-        let sizes: Vec<String> = self.optimal().map(|c| c.size().to_string()).collect();
+        let sizes = self.optimal().map(|c| c.size().to_string());
+        let sizes: Vec<String> = std::iter::once("0".to_owned()).chain(sizes).collect();
         self.recommended = self.candidates.iter().position(wanted).ok_or_else(|| {
             format!(
-                "--blocks {blocks}: this recording gives models of 0, {} blocks",
+                "--blocks {blocks}: this recording gives models of {} blocks",
                 sizes.join(", ")
             )
         })?;

@@ -31,7 +31,13 @@ pub fn reduced(model: &Model, without: &[String]) -> Result<Model, String> {
             reduced.constant_force = 0.0;
         }
         if !constant && reduced.effects.len() == before {
-            let own: Vec<&str> = model.effects.iter().map(Effect::id).collect();
+            let constant = (model.constant_force != 0.0).then_some(form::CONSTANT_FORCE.id);
+            let own: Vec<&str> = model
+                .effects
+                .iter()
+                .map(Effect::id)
+                .chain(constant)
+                .collect();
             let own = if own.is_empty() {
                 "none".to_owned()
             } else {

@@ -77,7 +77,11 @@ impl Problem {
 
     /// Too few samples to have a sample time.
     pub(super) fn too_short(samples: usize) -> Self {
-        Self::Other(format!("holds {samples} samples; at least 2 are needed"))
+        let samples = match samples {
+            0 => "no sample",
+            _ => "one sample",
+        };
+        Self::Other(format!("holds {samples}; at least 2 are needed"))
     }
 
     /// Nothing but blank lines and remarks.

@@ -109,6 +109,8 @@ impl Recording {
         }
         if let Some((low, high)) = range(&self.effort) {
             let (name, unit) = (self.role.name(), self.effort_unit());
+            // Of a raw effort, once.
+            let name = name.strip_prefix(unit).map_or(name, str::trim);
             said.push(
                 match low < 0.0 && high > 0.0 && -low > 0.5 * high && high > -0.5 * low {
                     true => format!("{name} ±{}", short(high.max(-low), unit)),

@@ -96,8 +96,13 @@ impl Recording {
         if clock.later != 0.0 {
             self.warnings.push(warning!(
                 "simulated-clock",
-                "{name} begins at another time: its clock is taken {:.6} s later",
-                clock.later
+                "{name} begins at another time: its clock is taken {} s {}",
+                (1e6 * clock.later.abs()).round() / 1e6,
+                if clock.later > 0.0 {
+                    "later"
+                } else {
+                    "earlier"
+                }
             ));
         }
         let at = |values: &[f64], late: f64| clock.at(&own.t_s, values, &self.t_s, late);

@@ -12,7 +12,7 @@ pub struct DisplayUnit {
 }
 
 /// Units that take the small prefixes only; nobody reads kiloseconds.
-const SMALL: [&str; 6] = ["m", "s", "rad", "m/s", "rad/s", "A"];
+const SMALL: [&str; 8] = ["m", "s", "rad", "m/s", "rad/s", "A", "g", "g·m²"];
 /// Units that take small and large prefixes.
 const SMALL_AND_LARGE: [&str; 12] = [
     "N",
@@ -47,6 +47,20 @@ const PREFIXES: [(&str, f64, f64); 8] = [
 /// Units other than the known mechanical and electrical ones stay as they are.
 pub fn display_unit(unit: &str, largest: f64) -> DisplayUnit {
     let (unit, largest) = (symbol(unit), largest.abs());
+    // The kilogram has a prefix already: from 0.1 on it stays, and below it is one of the gram's.
+    if let Some(area @ ("" | "·m²")) = unit.strip_prefix("kg").filter(|_| largest < 0.1) {
+        let of_grams = display_unit(&format!("g{area}"), 1e3 * largest);
+        return match largest > 0.0 {
+            true => DisplayUnit {
+                factor: 1e3 * of_grams.factor,
+                ..of_grams
+            },
+            false => DisplayUnit {
+                unit: unit.to_owned(),
+                factor: 1.0,
+            },
+        };
+    }
     let small_only = SMALL.contains(&unit);
     let known = small_only || SMALL_AND_LARGE.contains(&unit);
     let fits = |&&(prefix, power, _): &&(&str, f64, f64)| {
@@ -91,6 +105,10 @@ mod tests {
             ("m/s", 1e-4, "µm/s", 1e6),
             ("rad", 1e-14, "prad", 1e12),
             ("s", 190.0, "s", 1.0),
+            ("kg", 0.3, "kg", 1.0),
+            ("kg", 0.02, "g", 1e3),
+            ("kg·m²", 4e-6, "mg·m²", 1e6),
+            ("kg·m²", 0.0, "kg·m²", 1.0),
             ("%", 1e-4, "%", 1.0),
             ("m", 0.0, "m", 1.0),
             ("m", f64::NAN, "m", 1.0),

@@ -111,7 +111,7 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
         .force_along(path, &measured)
         .map_err(|e| format!("{}: {e}", recording.name))?;
     let mut notes = vec![format!(
-        "Velocity and acceleration by a zero-phase low-pass at {:.3} Hz, chosen from the position's noise",
+        "Velocity and acceleration by a zero-phase low-pass at {:.1} Hz, chosen from the position's noise",
         filter.cutoff_hz()
     )];
     if !recording.effort.is_empty() {

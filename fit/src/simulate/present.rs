@@ -127,7 +127,7 @@ impl Simulation {
                 quantity(a.rms, f)
             ),
             (None, Some(b)) => format!(
-                "breakaway: at {} and {} friction no longer holds the force and the body slides away; keep the force below that, or give the model an inertia to simulate the slide too",
+                "breakaway: at {} and {} friction no longer holds the force and the body slides away; keep the force below that; --force with a recording and a model that has an inertia simulates the slide too",
                 quantity(b.time_s, "s"),
                 quantity(b.force, f)
             ),

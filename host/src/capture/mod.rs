@@ -118,7 +118,7 @@ pub enum CaptureError {
     Write(std::io::Error),
     /// Nothing that fills a row.
     #[error(
-        "no telemetry came ({bytes} bytes, {damaged} damaged frames, {samples} samples where a row takes {every} ticks); check \
+        "no telemetry came ({bytes} bytes, {damaged} damaged frames, {samples} of the {every} samples that a row takes); check \
          that this is a Preslide controller's link and, on a serial line, its speed"
     )]
     NoTelemetry {

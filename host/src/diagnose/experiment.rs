@@ -115,6 +115,11 @@ fn parts_of(id: &str) -> &'static [Part] {
     }
 }
 
+/// Its name for people.
+fn name_of(id: &str) -> &str {
+    effect::by_id(id).map_or(hysteresis::NAME, |effect| effect.name())
+}
+
 /// Whether it is the id of something that an experiment may be for.
 pub fn may_be_for(id: &str) -> bool {
     id == hysteresis::ID || effect::by_id(id).is_some()
@@ -243,7 +248,11 @@ impl Experiment {
             "{:.0} s of reference {} for {}",
             self.seconds(),
             if self.rotary { "q" } else { "x" },
-            self.about.join(", ")
+            self.about
+                .iter()
+                .map(|id| name_of(id))
+                .collect::<Vec<_>>()
+                .join(", ")
         )
     }
 }

@@ -242,13 +242,10 @@ fn changes(user: &Model, model: &Model, effort: &str) -> Vec<String> {
     ];
     let changed = pairs.into_iter().filter(|(_, from, to)| from != to);
     let mut changed: Vec<String> = changed
-        .map(|(key, from, to)| {
+        .filter_map(|(key, from, to)| {
             let (name, unit) = name_and_unit(&key_of(model.motion, key), effort);
-            format!(
-                "{name} {} by {}",
-                quantity(from, &unit),
-                quantity(to, &unit)
-            )
+            let [from, to] = [from, to].map(|value| quantity(value, &unit));
+            (from != to).then(|| format!("{name} {from} by {to}"))
         })
         .collect();
     if model.viscous < 0.0 && user.viscous >= 0.0 {

@@ -148,9 +148,13 @@ pub(super) fn bounds(
     if needed(Argument::ForceLimit) {
         let breakaway = model.friction.breakaway();
         let limit = options.limit.or(breakaway.map(|f| BREAKAWAYS * f));
-        let limit = limit.filter(|l| l.is_finite() && *l > 0.0).ok_or(
-            "--limit: give the bound of each force that grows with speed or position, above zero (N or N·m); this model has no breakaway force to take it from",
-        )?;
+        let limit = limit.filter(|l| l.is_finite() && *l > 0.0).ok_or_else(|| {
+            let why = match breakaway {
+                Some(_) => "",
+                None => "; this model has no breakaway force to take it from",
+            };
+            format!("--limit: give the bound of each force that grows with speed or position, above zero (N or N·m){why}")
+        })?;
         bounds.push(Constant {
             name: FORCE_BOUND.to_owned(),
             said: "Bound of each force that grows with speed or position (N or N·m)".to_owned(),

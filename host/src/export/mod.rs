@@ -57,8 +57,8 @@ fn fitting(kernel: Option<Kernel>, model: &Model) -> Result<Option<Kernel>, Stri
         Some(Ok(())) => Ok(Some(kernel)),
         Some(Err(reason)) => Err(format!("--kernel {name} cannot run this model: {reason}")),
         None => Err(format!(
-            "--kernel {name} is a form of Maxwell slip, and the model is a {}; leave --kernel out",
-            friction.kind()
+            "--kernel {name} is a form of Maxwell slip, and the friction of the model is {}; leave --kernel out",
+            friction.name()
         )),
     }
 }

@@ -12,19 +12,27 @@ const DRAWN: usize = 6;
 /// Axes that are listed.
 const LISTED: usize = 50;
 
-/// The newest recording of each axis with its surest change, the surest first.
+/// The newest recording of each axis that was read, with its surest change, the surest first.
 pub fn ranking<'a>(rows: &'a [Row], changes: &'a [Vec<Change>]) -> Vec<(&'a Row, &'a Change)> {
-    let is_newest = |i: usize| rows.get(i + 1).is_none_or(|next| next.axis != rows[i].axis);
-    let newest = rows
-        .iter()
-        .zip(changes)
-        .enumerate()
-        .filter(|(i, _)| is_newest(*i));
+    let told: Vec<(&Row, &Vec<Change>)> = rows.iter().zip(changes).collect();
+    let of_axes = told.chunk_by(|a, b| a.0.axis == b.0.axis);
+    // An empty file at the end must not hide what the recording before it shows.
+    let newest = of_axes.filter_map(|own| own.iter().rfind(|(row, _)| row.is_read()));
     let mut ranked: Vec<(&Row, &Change)> = newest
-        .filter_map(|(_, (row, own))| Some((row, own.first()?)))
+        .filter_map(|(row, own)| Some((*row, own.first()?)))
         .collect();
     ranked.sort_by(|a, b| a.1.chance.total_cmp(&b.1.chance));
     ranked
+}
+
+/// Axes that were read once and of which the newest files cannot be.
+pub fn unread(rows: &[Row]) -> Vec<&str> {
+    let of_axes = rows.chunk_by(|a, b| a.axis == b.axis);
+    let unread = of_axes.filter_map(|own| {
+        let newest = own.last().filter(|row| !row.is_read())?;
+        own.iter().any(Row::is_read).then_some(newest.axis.as_str())
+    });
+    unread.collect()
 }
 
 /// The first of a ranking as a table.
@@ -45,8 +53,8 @@ pub fn table(ranked: &[(&Row, &Change)], most: usize) -> Table {
             }).table()
 }
 
-/// `preslide.fleet-summary/1`: how many recordings there are, what became of them, and of each axis with a history its newest recording's surest
-/// change, in the ranking's order. `made` of the rows are new, and took `seconds` together.
+/// `preslide.fleet-summary/1`: how many recordings there are, what became of them, and of each axis with a history the surest
+/// change of its newest recording that was read, in the ranking's order. `made` of the rows are new, and took `seconds` together.
 pub fn to_json(
     rows: &[Row],
     changes: &[Vec<Change>],
@@ -73,7 +81,6 @@ pub fn to_json(
             "alarm": change.alarm,
         })
     });
-    let has_alarm = |own: &&Vec<Change>| own.iter().any(|change| change.alarm);
     json!({
         "schema": "preslide.fleet-summary/1",
         "recordings": rows.len(),
@@ -82,9 +89,10 @@ pub fn to_json(
         "verdicts": verdicts,
         "errors": errors.collect::<Vec<_>>(),
         "false_alarms": false_alarms,
-        "with_history": changes.iter().filter(|own| !own.is_empty()).count(),
-        "with_alarm": changes.iter().filter(has_alarm).count(),
+        "with_history": ranked.len(),
+        "with_alarm": ranked.iter().filter(|(_, change)| change.alarm).count(),
         "newest": newest.collect::<Vec<_>>(),
+        "newest_unread": unread(rows),
         "seconds": seconds,
     })
 }

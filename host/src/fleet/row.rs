@@ -65,6 +65,11 @@ impl Row {
         self.effort_unit.as_deref().unwrap_or_default()
     }
 
+    /// It has something to compare.
+    pub fn is_read(&self) -> bool {
+        !self.parameters.is_empty()
+    }
+
     /// Loads and judges a recording. Whatever goes wrong is the row's error: nothing of one recording stops the others.
     pub fn of(
         member: &Member,

@@ -3,7 +3,7 @@
 use super::Plan;
 use preslide_fit::model::keys_of;
 use preslide_fit::recording::MotionKind;
-use preslide_fit::report::figures::{duration, range};
+use preslide_fit::report::figures::{duration, quantity};
 use preslide_fit::report::{Axis, Figure, Page, Section, Series};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -12,11 +12,12 @@ impl Plan {
     /// Its size, in a sentence.
     pub fn words(&self, kind: MotionKind) -> String {
         format!(
-            "{} rows, {}, {} reversals, strokes from {}, in {} repeats.",
+            "{} rows, {}, {} reversals, strokes from {} to {}, in {} repeats.",
             self.rows.len(),
             duration(self.seconds()),
             self.reversals,
-            range(self.strokes.0, self.strokes.1, kind.unit()),
+            quantity(self.strokes.0, kind.unit()),
+            quantity(self.strokes.1, kind.unit()),
             self.repeats()
         )
     }

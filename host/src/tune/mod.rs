@@ -16,6 +16,7 @@ use preslide_fit::identify::Identification;
 use preslide_fit::kernel::{Arithmetic, Counts, Kernel};
 use preslide_fit::model::Model;
 use preslide_fit::recording::Recording;
+use preslide_fit::report::figures::quantity;
 use recommend::recommend;
 use std::ops::Range;
 
@@ -174,6 +175,21 @@ pub fn of_recording(
     tuning(&models, (model, Some(found)), &motion, costs, budget)
 }
 
+/// What an encoder does not see of the blocks.
+fn unseen_note(friction: &FrictionModel, count: f64, unit: &str) -> Option<String> {
+    let (blocks, breakaway) = (friction.blocks(), friction.breakaway()?);
+    let within = blocks
+        .iter()
+        .filter(|b| b.yield_displacement(breakaway) < count);
+    let (unseen, all) = (within.count(), blocks.len());
+    (unseen > 0).then(|| {
+        format!(
+            "blocks that yield within one encoder count ({}), unseen by the encoder: {unseen} of {all}",
+            quantity(count, unit)
+        )
+    })
+}
+
 /// A motion in counts.
 struct Motion {
     position: Vec<i64>,
@@ -224,8 +240,8 @@ fn made_up_strokes(
     } = friction
     else {
         return Err(format!(
-            "the model is a {}, and only Maxwell-slip models (kind = \"gms\") have blocks to tune; `preslide compare` lists what the others cost",
-            friction.kind()
+            "the friction of the model is {}, and only Maxwell-slip models (kind = \"gms\") have blocks to tune; `preslide compare` lists what the others cost",
+            friction.name()
         ));
     };
     let longest = blocks
@@ -283,6 +299,11 @@ fn tuning(
         budget,
     };
     let mut notes = effects_notes(&effects, &refused, costs);
+    notes.extend(unseen_note(
+        &with_effects.friction,
+        motion.count,
+        with_effects.motion.unit(),
+    ));
     let (mut choices, mut without) = (Vec::new(), Vec::new());
     for sized in models {
         for tried in bench.choices(sized)? {

@@ -34,7 +34,7 @@ fn what_is_no_text_of_rows_below_a_header_is_refused() {
         ),
         ("t_s,x_m,force_N\n0,0,0,1,1,5\n", &["decimal commas"]),
         // Names between commas, the sample between semicolons.
-        ("t_s,x_m,force_N\n0;0;1\n", &["holds 1 samples"]),
+        ("t_s,x_m,force_N\n0;0;1\n", &["holds one sample"]),
         (
             "0,0,1\n1,0,1\n",
             &["line 1: `0` is a number", "t_s,x_m,force_N"],
@@ -43,8 +43,8 @@ fn what_is_no_text_of_rows_below_a_header_is_refused() {
         ("\n\n", &["is empty", "header"]),
         ("# only a remark\n", &["is empty", "header"]),
         ("\u{feff}", &["is empty", "header"]),
-        ("t_s,x_m,force_N\n", &["holds 0 samples"]),
-        ("t_s,x_m,force_N\n0,0,1\n", &["holds 1 samples"]),
+        ("t_s,x_m,force_N\n", &["holds no sample"]),
+        ("t_s,x_m,force_N\n0,0,1\n", &["holds one sample"]),
         ("t_s,x_m\0,force_N\n", &["a zero byte"]),
     ] {
         refuses(load(csv), parts);
