@@ -321,7 +321,7 @@ mod tests {
             (&cell, &MAP, &["line 11", "fActPos"]),
             (&commas, &MAP, &["tabs or semicolons"]),
             (&blanks, &MAP, &["tabs or semicolons"]),
-            (&short, &MAP, &["0 samples"]),
+            (&short, &MAP, &["no sample"]),
         ] {
             refuses(text(export, map), parts);
         }

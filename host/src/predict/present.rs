@@ -74,7 +74,7 @@ impl Prediction {
                 best.name, rival.name
             ),
             (near, far) => format!(
-                "Take {} for a controller that looks {near} samples ahead, where it errs less than {}; at {far} it errs more.",
+                "Take {} for a controller that looks so many samples ahead: {near}. There it errs less than {}, and more at {far}.",
                 best.name, rival.name
             ),
         }

@@ -109,7 +109,26 @@ fn a_model_without_blocks_is_refused() {
     let text = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\nkind = \"coulomb\"\ncoulomb_N = 0.9\n";
     let costs = CostTable::of_cpu("cortex-m4").unwrap();
     let error = of_model(&Model::parse(text).unwrap(), 25e-9, &costs, budget(0.05)).unwrap_err();
-    assert!(error.contains("coulomb"), "{error}");
+    assert!(error.contains("Coulomb"), "{error}");
+}
+
+#[test]
+fn blocks_that_the_encoder_does_not_see_are_told() {
+    let text = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\nkind = \"gms\"\nbreakaway_N = 1.0\nblocks = [{ stiffness_N_per_m = 1e6, weight = 0.5 }, { stiffness_N_per_m = 1e4, weight = 0.5 }]\n";
+    let (model, costs) = (
+        Model::parse(text).unwrap(),
+        CostTable::of_cpu("cortex-m4").unwrap(),
+    );
+    // They yield at 0.5 and 50 µm.
+    for (count, told) in [(1e-7, None), (1e-5, Some("1 of 2")), (1e-4, Some("2 of 2"))] {
+        let notes = of_model(&model, count, &costs, budget(0.05)).unwrap().notes;
+        let unseen = notes.iter().find(|note| note.contains("unseen"));
+        assert_eq!(unseen.is_some(), told.is_some(), "{notes:?}");
+        assert!(
+            told.is_none_or(|told| unseen.unwrap().ends_with(told)),
+            "{notes:?}"
+        );
+    }
 }
 
 #[test]
