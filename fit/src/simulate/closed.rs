@@ -170,6 +170,7 @@ pub fn motion_in_loop(
         position,
         from_force: true,
         agreement: None,
+        measured_position: position_error.is_some().then(|| measured.to_vec()),
         position_error,
         breakaway: None,
         notes: notes(model, recording, steps, change),

@@ -91,6 +91,7 @@ pub fn motion_with_inertia(
         force: recording.effort[..t_s.len()].to_vec(),
         from_force: true,
         agreement: None,
+        measured_position: position_error.is_some().then(|| measured.to_vec()),
         position_error,
         following: None,
         breakaway: None,
@@ -270,7 +271,12 @@ impl Visitor for Run<'_> {
     fn visit<L: Friction<Scalar = f64>>(self, law: L) -> Self::Outcome {
         let dt = self.sample_time / f64::from(self.steps);
         let mut body = Body::at(&law, self.head[0], self.velocity);
-        let (mut positions, mut velocities) = (vec![body.x], vec![body.v]);
+        // Given samples have the velocity that leads from one to the next.
+        let first = match self.head {
+            [first, second, ..] => (second - first) / self.sample_time,
+            _ => self.velocity,
+        };
+        let (mut positions, mut velocities) = (vec![body.x], vec![first]);
         for &place in &self.head[1..] {
             body.lead(&law, place, self.steps, dt);
             positions.push(body.x);
@@ -408,6 +414,33 @@ mod tests {
         let last = found.position[found.position.len() - 1];
         // 1 N of the stiff block has yielded, the soft one carries the rest.
         assert!((last / 5e-7 - 1.0).abs() < 0.02, "{last:e}");
+    }
+
+    /// An axis that starts from rest is at rest in the first row, and the page draws the measured position beside the simulated one.
+    #[test]
+    fn given_samples_have_their_own_velocity_and_the_measured_position_is_drawn() {
+        let model = body(FrictionModel::Coulomb { coulomb: 1.0 });
+        let velocity = |t: f64| 0.2 * (4.0 * t).sin();
+        let rows: String = (0..3000)
+            .map(|i| {
+                let t = f64::from(i) * 1e-3;
+                let (x, a) = (0.05 * (1.0 - (4.0 * t).cos()), 0.8 * (4.0 * t).cos());
+                format!("{t},{x:e},{:e}\n", 2.0 * a + f64::signum(velocity(t)))
+            })
+            .collect();
+        let text = format!("t_s,x_m,force_N\n{rows}");
+        let recording =
+            load_csv(text.as_bytes(), "rest.csv", &LoadOptions::default()).expect("valid");
+        let found = motion_with_inertia(&model, &recording, 20).expect("valid");
+        let simulated = found.velocity.as_ref().expect("a velocity");
+        for (t, v) in found.t_s.iter().zip(simulated).take(20) {
+            assert!((v - velocity(*t)).abs() < 1e-3, "{t} s: {v}");
+        }
+        let page = found.page("rest.csv", String::new());
+        let drawn = page.sections[0].figures.iter();
+        let drawn = drawn.filter(|f| f.title == "Position over time");
+        let measured = drawn.flat_map(|f| &f.series).find(|s| s.name == "measured");
+        assert_eq!(measured.map(|s| &s.y), Some(&recording.position));
     }
 
     /// Started from some samples of a motion, the simulation goes on with it.

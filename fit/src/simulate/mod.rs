@@ -37,6 +37,8 @@ pub struct Simulation {
     pub from_force: bool,
     /// How well it meets the measured effort, where there is one.
     pub agreement: Option<Agreement>,
+    /// The position that the motion is compared with (m or rad).
+    pub measured_position: Option<Vec<f64>>,
     /// How far the motion lies from the measured one, where a force was the input and the recording has a position.
     pub position_error: Option<PositionError>,
     /// How far the axis is from its reference, where it follows one in closed loop.
@@ -134,6 +136,7 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
         velocity: Some(kinematics.velocity),
         from_force: false,
         agreement,
+        measured_position: None,
         position_error: None,
         following: None,
         breakaway: None,
@@ -237,6 +240,7 @@ pub fn motion_of_force(
         force: Vec::new(),
         from_force: true,
         agreement: None,
+        measured_position: None,
         position_error: None,
         following: None,
         breakaway: None,

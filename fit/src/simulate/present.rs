@@ -200,22 +200,28 @@ impl Simulation {
         ]
     }
 
-    /// Position and, where there is one, velocity over time.
+    /// Position, beside the measured one where there is one, and velocity over time.
     fn motion_figures(&self) -> Vec<Figure> {
         let (x, _) = self.units();
-        let over_time =
-            |title: &str, what: &str, unit: String, values: &[f64]| {
-                Figure::new(title, Axis::new("time", "s"), Axis::new(what, unit))
-                    .with(Series::line(what, self.t_s.clone(), values.to_vec()))
-            };
-        let position = over_time(
-            "Position over time",
-            "position",
-            x.to_owned(),
-            &self.position,
-        );
+        let over_time = |title: &str, what: &str, unit: String| {
+            Figure::new(title, Axis::new("time", "s"), Axis::new(what, unit))
+        };
+        let line =
+            |name: &str, values: &[f64]| Series::line(name, self.t_s.clone(), values.to_vec());
+        let position = over_time("Position over time", "position", x.to_owned());
+        let position = match &self.measured_position {
+            Some(measured) => position
+                .with(line("measured", measured).colour(Colour::Black))
+                .with(
+                    line("simulated", &self.position)
+                        .colour(Colour::Vermillion)
+                        .emphasis(Emphasis::Strong),
+                ),
+            None => position.with(line("position", &self.position)),
+        };
         let velocity = self.velocity.iter().map(|velocity| {
-            over_time("Velocity over time", "velocity", format!("{x}/s"), velocity)
+            over_time("Velocity over time", "velocity", format!("{x}/s"))
+                .with(line("velocity", velocity))
         });
         std::iter::once(position).chain(velocity).collect()
     }
