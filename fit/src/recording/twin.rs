@@ -4,6 +4,7 @@ use super::simulated::{Simulated, correlation};
 use super::units::Dimension;
 use super::words::quantity;
 use super::{EffortRole, LoadOptions, MotionKind, Needs, Recording, Warning, load};
+use crate::signal::{SURE, TAKES, beside_the_motion, taken};
 use crate::statistics;
 use std::path::Path;
 
@@ -92,12 +93,17 @@ impl Recording {
             message: format!("{name}: {}", warning.message),
             ..warning.clone()
         }));
-        let clock = Clock::of(&own.t_s, &self.t_s).map_err(|what| wrong(&what))?;
+        let clock = self.clock_of(&own).map_err(|what| wrong(&what))?;
         if clock.later != 0.0 {
             self.warnings.push(warning!(
                 "simulated-clock",
-                "{name} begins at another time: its clock is taken {:.6} s later",
-                clock.later
+                "{name} begins at another time: its clock is taken {:.6} s {}",
+                clock.later.abs(),
+                if clock.later > 0.0 {
+                    "later"
+                } else {
+                    "earlier"
+                }
             ));
         }
         let at = |values: &[f64], late: f64| clock.at(&own.t_s, values, &self.t_s, late);
@@ -110,11 +116,12 @@ impl Recording {
         let late = lateness(&self.position, &at(&own.position, 0.0), self.sample_time_s);
         let (low, high) = self.ends();
         let follows = own.position.is_empty() || {
-            let position = at(&own.position, late.unwrap_or(0.0));
-            let apart = position
-                .iter()
-                .zip(&self.position)
-                .map(|(a, b)| (a - b).abs());
+            let late = late.unwrap_or(0.0);
+            let position = at(&own.position, late);
+            // Beyond its ends it says nothing.
+            let apart = (position.iter().zip(&self.position).zip(&self.t_s))
+                .filter(|(_, t)| clock.covers(&own.t_s, *t + late))
+                .map(|((a, b), _)| (a - b).abs());
             apart.fold(0.0, f64::max) <= FOLLOWS * (high - low)
         };
         let late = late.filter(|_| follows);
@@ -134,6 +141,60 @@ impl Recording {
                 effort: Some(effort),
             },
         }))
+    }
+
+    /// The clock of a simulation: as it is or, where that surely leaves less between the two, begun or ended with the recording.
+    fn clock_of(&self, own: &Recording) -> Result<Clock, String> {
+        let mut clocks = Clock::all(&own.t_s, &self.t_s)?;
+        let first = clocks[0].later;
+        let apart = |clock: &Clock| (clock.later - first).abs() > LEAST * self.sample_time_s;
+        clocks = clocks
+            .into_iter()
+            .enumerate()
+            .filter_map(|(i, clock)| (i == 0 || apart(&clock)).then_some(clock))
+            .collect();
+        let best = self.fits_best(own, &clocks).unwrap_or(0);
+        Ok(clocks.swap_remove(best))
+    }
+
+    /// The clock that surely leaves less than the first between a simulation and the recording, beside numbers that may be wrong.
+    fn fits_best(&self, own: &Recording, clocks: &[Clock]) -> Option<usize> {
+        let is_moving = !own.position.is_empty();
+        let (measured, simulated) = match is_moving {
+            true => (&self.position, &own.position),
+            false => (&self.effort, &own.effort),
+        };
+        if clocks.len() < 2 || measured.is_empty() || simulated.is_empty() {
+            return None;
+        }
+        let between = |clock: &Clock| -> Vec<f64> {
+            let simulated = clock.at(&own.t_s, simulated, &self.t_s, 0.0);
+            let opposed = correlation(&simulated, measured) < super::simulated::OPPOSED;
+            let sign = if opposed { -1.0 } else { 1.0 };
+            let both = measured.iter().zip(simulated);
+            both.map(|(m, s)| m - sign * s).collect()
+        };
+        let between: Vec<Vec<f64>> = clocks.iter().map(between).collect();
+        let is_covered = |i: usize| clocks.iter().all(|c| c.covers(&own.t_s, self.t_s[i]));
+        let left = match is_moving {
+            true => {
+                let covered = |all: &Vec<f64>| {
+                    let own = (0..all.len()).filter(|i| is_covered(*i));
+                    own.map(|i| all[i]).collect()
+                };
+                between.iter().map(covered).collect()
+            }
+            false => beside_the_motion(self, &between, is_covered)?,
+        };
+        let squares = |left: &[f64]| left.iter().map(|v| v * v).sum::<f64>();
+        let best =
+            (0..left.len()).min_by(|a, b| squares(&left[*a]).total_cmp(&squares(&left[*b])))?;
+        // One of the recording's own length was made for it: that its stamps begin elsewhere says nothing.
+        let lasts = |t: &[f64]| t.last().zip(t.first()).map_or(0.0, |(b, a)| b - a);
+        let is_as_long = (lasts(&own.t_s) - lasts(&self.t_s)).abs()
+            <= LEAST * self.sample_time_s.max(own.sample_time_s);
+        let found = taken(&left[0], &left[best]);
+        (found.z >= SURE && (is_as_long || found.share >= TAKES)).then_some(best)
     }
 
     /// A simulated effort with the sign of the measured one, in its unit as far as its size shows.
@@ -170,25 +231,31 @@ struct Clock {
 }
 
 impl Clock {
-    fn of(own: &[f64], recorded: &[f64]) -> Result<Self, String> {
+    /// Those under which it covers the recording: as it is, begun with it, ended with it.
+    fn all(own: &[f64], recorded: &[f64]) -> Result<Vec<Self>, String> {
         let ends = |t: &[f64]| t.first().copied().zip(t.last().copied());
         let Some((own, recorded)) = ends(own).zip(ends(recorded)) else {
             return Err("it has no samples".to_owned());
         };
         let length = recorded.1 - recorded.0;
         let shared = |later: f64| (own.1 + later).min(recorded.1) - (own.0 + later).max(recorded.0);
-        let later = if shared(0.0) >= SHARED * length {
-            0.0
-        } else {
-            recorded.0 - own.0
-        };
-        match shared(later) >= SHARED * length {
-            true => Ok(Self { later }),
-            false => Err(format!(
+        let mut all = vec![0.0, recorded.0 - own.0, recorded.1 - own.1];
+        all.retain(|later| shared(*later) >= SHARED * length);
+        match all.is_empty() {
+            false => Ok(all.into_iter().map(|later| Self { later }).collect()),
+            true => Err(format!(
                 "it lasts {:.3} s, the recording {length:.3} s; simulate the whole recording",
                 own.1 - own.0
             )),
         }
+    }
+
+    /// Whether it has a recorded time.
+    fn covers(&self, own: &[f64], recorded: f64) -> bool {
+        let within = |first: &f64, last: &f64| (*first..=*last).contains(&(recorded - self.later));
+        own.first()
+            .zip(own.last())
+            .is_some_and(|(a, b)| within(a, b))
     }
 
     /// Values at the recorded times, straight between two samples and held beyond the ends; they are `late` by so much (s).
@@ -258,7 +325,7 @@ mod tests {
     /// Largest difference from the recorded force away from the ends.
     fn apart(recording: &Recording, found: &Simulated) -> f64 {
         let Simulated::Effort(effort) = found else {
-            panic!("{found:?} is no effort");
+            panic!("no effort");
         };
         let pairs = effort.iter().zip(&recording.effort).skip(1000).take(18_000);
         let squares: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
@@ -299,6 +366,45 @@ mod tests {
                 .filter(|w| w.code == "simulated-clock");
             let expected = usize::from(late != 0.0) + usize::from(start != 0.0);
             assert_eq!(said.count(), expected);
+        }
+    }
+
+    /// A clock of its own is found though both clocks overlap and the simulation lacks a ripple; one that only began earlier stays.
+    #[test]
+    fn a_clock_that_overlaps_is_moved_where_that_explains_the_difference() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let row = |t: f64| {
+            let (x, force) = motion(t);
+            vec![t, x, force + 0.3 * (x / 0.001).sin()]
+        };
+        let path = file(folder.path(), "ripple.csv", "t_s,x_m,force_N", RATE_HZ, row);
+        for head in ["t_s,force_N", "t_s,x_m,force_N"] {
+            for (stamp, moment) in [
+                (0.02, 0.0),
+                (-0.02, 0.0),
+                (1.5, 0.0),
+                (-0.7, 0.0),
+                (-0.5, -0.5),
+            ] {
+                let mut recording = load(&path, &LoadOptions::default()).expect("a recording");
+                let row = |t: f64| {
+                    let (x, force) = motion(t + moment);
+                    match head.contains("x_m") {
+                        true => vec![t + stamp, x, force],
+                        false => vec![t + stamp, force],
+                    }
+                };
+                let twin = file(folder.path(), "twin.csv", head, 500.0, row);
+                let found = recording.load_simulated(&twin.display().to_string());
+                let found = found.expect("read").expect("a file");
+                let apart = apart(&recording, &found);
+                println!("{head} {stamp} {moment}: {apart}, {:?}", recording.warnings);
+                // The ripple has 0.21 N RMS.
+                assert!((apart - 0.212).abs() < 0.02, "{head} {stamp}: {apart}");
+                let mut said = recording.warnings.iter();
+                let said = said.any(|w| w.code == "simulated-clock");
+                assert_eq!(said, stamp != moment);
+            }
         }
     }
 

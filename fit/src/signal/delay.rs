@@ -3,7 +3,7 @@
 
 use super::rigid::{BLOCKS, Rigid, blocks};
 use super::{Kinematics, LATE, step_at_reversals};
-use crate::evidence::evidence;
+use crate::evidence::{Evidence, evidence};
 use crate::recording::Recording;
 use crate::statistics::{Estimate, LeastSquares, earlier, jackknife};
 use serde::Serialize;
@@ -18,7 +18,7 @@ const SHORT: f64 = 2.0;
 /// Share of what the first term leaves that the shift must take off, and standard errors of that over blocks of the recording: an elastic drive
 /// looks a little like one, too.
 pub const TAKES: f64 = 0.25;
-const SURE: f64 = 3.0;
+pub(crate) const SURE: f64 = 3.0;
 /// Parts of the band in which a delay must be the same, by how much of itself at most (and a sample) it may differ. What a closed loop makes of a rattle or a
 /// vibration has a phase, not a delay. Made ones of 2.5 to 17 ms differ by 4 % down to an eighth of the band, that of a
 /// rattling screw by a factor of three: set with these four in sight.
@@ -88,13 +88,18 @@ impl Delay {
 
     /// In words, a sentence without its full stop.
     pub fn words(&self) -> String {
+        format!("{}; the fit allows for it", self.recorded())
+    }
+
+    /// How the effort is recorded, in a clause.
+    pub fn recorded(&self) -> String {
         let ms = |seconds: f64| 1e3 * seconds;
         let Estimate { value, ci95 } = self.delay_s;
         let reach = ci95.map_or_else(String::new, |[low, high]| {
             format!(" ± {:.2}", ms(0.5 * (high - low)))
         });
         format!(
-            "the effort is recorded {:.2}{reach} ms {} than its position; the fit allows for it",
+            "the effort is recorded {:.2}{reach} ms {} than its position",
             ms(value.abs()),
             if value > 0.0 { "later" } else { "earlier" }
         )
@@ -147,12 +152,49 @@ fn error_of_last(columns: &[&[f64]], target: &[f64]) -> f64 {
     )
 }
 
+/// Shares of the top speed over which a simulation's friction may reverse.
+const SMOOTHEST: [f64; 6] = [3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1];
+
+/// What rigid body, hysteresis and friction of the velocity leave of some efforts along a recording, at the samples that `fits` admits. `None` where its motion shows neither.
+pub(crate) fn beside_the_motion(
+    recording: &Recording,
+    efforts: &[Vec<f64>],
+    fits: impl Fn(usize) -> bool,
+) -> Option<Vec<Vec<f64>>> {
+    let kinematics = Kinematics::of(recording);
+    let mut rigid = Rigid::of(recording, &kinematics, &yields(recording)?);
+    rigid.rows.retain(|i| fits(*i));
+    // Most simulations have friction that reverses with the velocity.
+    let top = kinematics
+        .velocity
+        .iter()
+        .fold(0.0, |top: f64, v| top.max(v.abs()));
+    for share in SMOOTHEST {
+        let slow = share * top.max(1e-300);
+        let smooth: Vec<f64> = kinematics
+            .velocity
+            .iter()
+            .map(|v| (v / slow).tanh())
+            .collect();
+        rigid.columns.push(kinematics.filter.smooth(&smooth));
+    }
+    let columns = rigid.at(&rigid.rows);
+    let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let one = |effort: &Vec<f64>| left(&columns, &rigid.fitted(&kinematics.filter.smooth(effort)));
+    efforts.iter().map(one).collect()
+}
+
 /// Whether the shift takes off enough of what the first term leaves, in enough of the recording.
 fn is_sure(first_term: &[f64], with: &[f64]) -> bool {
-    let taken: Vec<f64> = first_term.iter().zip(with).map(|(a, b)| a - b).collect();
-    let own: Vec<Range<usize>> = blocks(with.len()).collect();
-    let found = evidence(&taken, first_term, &own);
+    let found = taken(first_term, with);
     found.share >= TAKES && found.z >= SURE
+}
+
+/// What one way takes off what another leaves, over blocks of the recording.
+pub(crate) fn taken(without: &[f64], with: &[f64]) -> Evidence {
+    let taken: Vec<f64> = without.iter().zip(with).map(|(a, b)| a - b).collect();
+    let own: Vec<Range<usize>> = blocks(with.len()).collect();
+    evidence(&taken, without, &own)
 }
 
 /// The effort some samples earlier; each piece ends with its own last value.

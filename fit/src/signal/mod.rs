@@ -19,6 +19,7 @@ pub use bristle::{RELAXED, bristle};
 pub use channel::Channel;
 pub use deflection::{Deflection, not_yet_known, unknown_starts};
 pub use delay::{Delay, TAKES};
+pub(crate) use delay::{SURE, beside_the_motion, taken};
 pub use kinematics::Kinematics;
 pub use resolution::step_at_reversals;
 pub use saturation::{End, Saturation};
