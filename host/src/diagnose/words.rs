@@ -413,7 +413,7 @@ impl Diagnosis {
                 _ => format!("friction departs from its law over {axis}"),
             };
             let by = quantity(wanders.rms, recording.effort_unit());
-            clauses.push(format!("{what} by {by} RMS, as every machine's does"));
+            clauses.push(format!("{what} by {by} RMS, too little to tell from an error of the friction law, and so not named"));
         }
         clauses
     }
