@@ -125,7 +125,7 @@ impl Diagnose {
         for left_out in found.left_out_words() {
             explain!("Note: {left_out}.\n");
         }
-        if let Some(given) = found.given_words() {
+        if let Some(given) = found.given_words(&recording) {
             explain!("Note: {given}.\n");
         }
         if let Some(table) = found.given_table(&recording) {
