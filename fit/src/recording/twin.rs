@@ -4,7 +4,7 @@ use super::simulated::{Simulated, correlation};
 use super::units::Dimension;
 use super::words::quantity;
 use super::{EffortRole, LoadOptions, MotionKind, Needs, Recording, Warning, load};
-use crate::signal::{SURE, TAKES, beside_the_motion, taken};
+use crate::evidence::evidence;
 use crate::statistics;
 use std::path::Path;
 
@@ -18,10 +18,18 @@ const LATEST_S: f64 = 0.5;
 const SHIFTED: f64 = 0.25;
 /// Samples from which a shift is one.
 const LEAST: f64 = 2.0;
+/// Standard errors over blocks of the recording by which another clock must leave less, and the share of what is left that it must take off unless
+/// the file is as long as the recording.
+const SURE: f64 = 3.0;
+const TAKES: f64 = 0.25;
+const BLOCKS: usize = 24;
 /// Warnings that matter to what is identified of a file, and nothing to a simulation.
 const OF_A_RECORDING: [&str; 2] = ["no-repeats", "extra-columns"];
 /// Times by which measured and simulated sizes may differ: beyond, it is another unit.
 const ANOTHER_UNIT: f64 = 30.0;
+
+/// What rigid body and friction leave of some efforts along a recording, at the samples that are admitted.
+pub type Beside = fn(&Recording, &[Vec<f64>], &dyn Fn(usize) -> bool) -> Option<Vec<Vec<f64>>>;
 
 /// File and column of `FILE[:COLUMN]`; `None` where no such file is there.
 fn split(name: &str) -> Option<(&Path, Option<&str>)> {
@@ -40,7 +48,11 @@ impl Recording {
     ///
     /// # Errors
     /// A message for the user: a file that cannot be read, another quantity, another unit, another time.
-    pub fn load_simulated(&mut self, name: &str) -> Result<Option<Simulated>, String> {
+    pub fn load_simulated(
+        &mut self,
+        name: &str,
+        beside: Beside,
+    ) -> Result<Option<Simulated>, String> {
         let Some((path, column)) = split(name) else {
             return Ok(None);
         };
@@ -93,7 +105,7 @@ impl Recording {
             message: format!("{name}: {}", warning.message),
             ..warning.clone()
         }));
-        let clock = self.clock_of(&own).map_err(|what| wrong(&what))?;
+        let clock = self.clock_of(&own, beside).map_err(|what| wrong(&what))?;
         if clock.later != 0.0 {
             self.warnings.push(warning!(
                 "simulated-clock",
@@ -144,7 +156,7 @@ impl Recording {
     }
 
     /// The clock of a simulation: as it is or, where that surely leaves less between the two, begun or ended with the recording.
-    fn clock_of(&self, own: &Recording) -> Result<Clock, String> {
+    fn clock_of(&self, own: &Recording, beside: Beside) -> Result<Clock, String> {
         let mut clocks = Clock::all(&own.t_s, &self.t_s)?;
         let first = clocks[0].later;
         let apart = |clock: &Clock| (clock.later - first).abs() > LEAST * self.sample_time_s;
@@ -153,12 +165,12 @@ impl Recording {
             .enumerate()
             .filter_map(|(i, clock)| (i == 0 || apart(&clock)).then_some(clock))
             .collect();
-        let best = self.fits_best(own, &clocks).unwrap_or(0);
+        let best = self.fits_best(own, &clocks, beside).unwrap_or(0);
         Ok(clocks.swap_remove(best))
     }
 
     /// The clock that surely leaves less than the first between a simulation and the recording, beside numbers that may be wrong.
-    fn fits_best(&self, own: &Recording, clocks: &[Clock]) -> Option<usize> {
+    fn fits_best(&self, own: &Recording, clocks: &[Clock], beside: Beside) -> Option<usize> {
         let is_moving = !own.position.is_empty();
         let (measured, simulated) = match is_moving {
             true => (&self.position, &own.position),
@@ -184,7 +196,7 @@ impl Recording {
                 };
                 between.iter().map(covered).collect()
             }
-            false => beside_the_motion(self, &between, is_covered)?,
+            false => beside(self, &between, &is_covered)?,
         };
         let squares = |left: &[f64]| left.iter().map(|v| v * v).sum::<f64>();
         let best =
@@ -193,7 +205,14 @@ impl Recording {
         let lasts = |t: &[f64]| t.last().zip(t.first()).map_or(0.0, |(b, a)| b - a);
         let is_as_long = (lasts(&own.t_s) - lasts(&self.t_s)).abs()
             <= LEAST * self.sample_time_s.max(own.sample_time_s);
-        let found = taken(&left[0], &left[best]);
+        let taken: Vec<f64> = left[0]
+            .iter()
+            .zip(&left[best])
+            .map(|(a, b)| a - b)
+            .collect();
+        let cut = |k: usize| k * taken.len() / BLOCKS;
+        let blocks: Vec<_> = (0..BLOCKS).map(|k| cut(k)..cut(k + 1)).collect();
+        let found = evidence(&taken, &left[0], &blocks);
         (found.z >= SURE && (is_as_long || found.share >= TAKES)).then_some(best)
     }
 
@@ -286,6 +305,7 @@ fn lateness(measured: &[f64], simulated: &[f64], step: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::signal::beside_the_motion;
     use std::fmt::Write as _;
 
     const RATE_HZ: f64 = 1000.0;
@@ -351,7 +371,7 @@ mod tests {
             let path = file(folder.path(), "twin.csv", head, 800.0, row);
             let name = format!("{}:force_N", path.display());
             let found = recording
-                .load_simulated(&name)
+                .load_simulated(&name, beside_the_motion)
                 .expect("read")
                 .expect("a file");
             let apart = apart(&recording, &found);
@@ -395,7 +415,8 @@ mod tests {
                     }
                 };
                 let twin = file(folder.path(), "twin.csv", head, 500.0, row);
-                let found = recording.load_simulated(&twin.display().to_string());
+                let found =
+                    recording.load_simulated(&twin.display().to_string(), beside_the_motion);
                 let found = found.expect("read").expect("a file");
                 let apart = apart(&recording, &found);
                 println!("{head} {stamp} {moment}: {apart}, {:?}", recording.warnings);
@@ -414,7 +435,7 @@ mod tests {
         let mut recording = recorded(folder.path());
         let row = |t: f64| vec![t, 1.1 * motion(t).0, motion(t).1];
         let own = file(folder.path(), "own.csv", "t_s,x_m,force_N", RATE_HZ, row);
-        let found = recording.load_simulated(&own.display().to_string());
+        let found = recording.load_simulated(&own.display().to_string(), beside_the_motion);
         assert!(
             matches!(
                 found,
@@ -427,13 +448,16 @@ mod tests {
         );
         let row = |t: f64| vec![t, motion(t).0, 1000.0 * motion(t).1];
         let milli = file(folder.path(), "milli.csv", "t_s,x_m,force_N", RATE_HZ, row);
-        let refused = recording.load_simulated(&milli.display().to_string());
+        let refused = recording.load_simulated(&milli.display().to_string(), beside_the_motion);
         assert!(
             refused
                 .clone()
                 .is_err_and(|e| e.contains("1000") && e.contains("unit")),
             "{refused:?}"
         );
-        assert_eq!(recording.load_simulated("nowhere.csv:force_N"), Ok(None));
+        assert_eq!(
+            recording.load_simulated("nowhere.csv:force_N", beside_the_motion),
+            Ok(None)
+        );
     }
 }

@@ -3,7 +3,7 @@
 
 use super::rigid::{BLOCKS, Rigid, blocks};
 use super::{Kinematics, LATE, step_at_reversals};
-use crate::evidence::{Evidence, evidence};
+use crate::evidence::evidence;
 use crate::recording::Recording;
 use crate::statistics::{Estimate, LeastSquares, earlier, jackknife};
 use serde::Serialize;
@@ -18,7 +18,7 @@ const SHORT: f64 = 2.0;
 /// Share of what the first term leaves that the shift must take off, and standard errors of that over blocks of the recording: an elastic drive
 /// looks a little like one, too.
 pub const TAKES: f64 = 0.25;
-pub(crate) const SURE: f64 = 3.0;
+const SURE: f64 = 3.0;
 /// Parts of the band in which a delay must be the same, by how much of itself at most (and a sample) it may differ. What a closed loop makes of a rattle or a
 /// vibration has a phase, not a delay. Made ones of 2.5 to 17 ms differ by 4 % down to an eighth of the band, that of a
 /// rattling screw by a factor of three: set with these four in sight.
@@ -156,10 +156,10 @@ fn error_of_last(columns: &[&[f64]], target: &[f64]) -> f64 {
 const SMOOTHEST: [f64; 6] = [3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1];
 
 /// What rigid body, hysteresis and friction of the velocity leave of some efforts along a recording, at the samples that `fits` admits. `None` where its motion shows neither.
-pub(crate) fn beside_the_motion(
+pub fn beside_the_motion(
     recording: &Recording,
     efforts: &[Vec<f64>],
-    fits: impl Fn(usize) -> bool,
+    fits: &dyn Fn(usize) -> bool,
 ) -> Option<Vec<Vec<f64>>> {
     let kinematics = Kinematics::of(recording);
     let mut rigid = Rigid::of(recording, &kinematics, &yields(recording)?);
@@ -186,15 +186,10 @@ pub(crate) fn beside_the_motion(
 
 /// Whether the shift takes off enough of what the first term leaves, in enough of the recording.
 fn is_sure(first_term: &[f64], with: &[f64]) -> bool {
-    let found = taken(first_term, with);
-    found.share >= TAKES && found.z >= SURE
-}
-
-/// What one way takes off what another leaves, over blocks of the recording.
-pub(crate) fn taken(without: &[f64], with: &[f64]) -> Evidence {
-    let taken: Vec<f64> = without.iter().zip(with).map(|(a, b)| a - b).collect();
+    let taken: Vec<f64> = first_term.iter().zip(with).map(|(a, b)| a - b).collect();
     let own: Vec<Range<usize>> = blocks(with.len()).collect();
-    evidence(&taken, without, &own)
+    let found = evidence(&taken, first_term, &own);
+    found.share >= TAKES && found.z >= SURE
 }
 
 /// The effort some samples earlier; each piece ends with its own last value.
