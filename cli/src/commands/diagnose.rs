@@ -7,6 +7,7 @@ use preslide_fit::model::Model;
 use preslide_fit::progress::Progress;
 use preslide_fit::recording::{Recording, Simulated};
 use preslide_fit::report::figures::capital;
+use preslide_fit::signal::beside_the_motion;
 use preslide_host::diagnose::correction::Language;
 use preslide_host::diagnose::experiment::{self, Experiment};
 use preslide_host::diagnose::fit::Fit;
@@ -125,7 +126,7 @@ impl Diagnose {
         for left_out in found.left_out_words() {
             explain!("Note: {left_out}.\n");
         }
-        if let Some(given) = found.given_words() {
+        if let Some(given) = found.given_words(&recording) {
             explain!("Note: {given}.\n");
         }
         if let Some(table) = found.given_table(&recording) {
@@ -301,7 +302,9 @@ impl Diagnose {
         }
         let known = recording.warnings.len();
         let of_file = match self.simulated.as_slice() {
-            [one] => recording.load_simulated(one).map_err(Failure::Input)?,
+            [one] => recording
+                .load_simulated(one, beside_the_motion)
+                .map_err(Failure::Input)?,
             _ => None,
         };
         let values = match of_file {

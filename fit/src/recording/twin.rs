@@ -4,6 +4,7 @@ use super::simulated::{Simulated, correlation};
 use super::units::Dimension;
 use super::words::quantity;
 use super::{EffortRole, LoadOptions, MotionKind, Needs, Recording, Warning, load};
+use crate::evidence::evidence;
 use crate::statistics;
 use std::path::Path;
 
@@ -17,10 +18,18 @@ const LATEST_S: f64 = 0.5;
 const SHIFTED: f64 = 0.25;
 /// Samples from which a shift is one.
 const LEAST: f64 = 2.0;
+/// Standard errors over blocks of the recording by which another clock must leave less, and the share of what is left that it must take off unless
+/// the file is as long as the recording.
+const SURE: f64 = 3.0;
+const TAKES: f64 = 0.25;
+const BLOCKS: usize = 24;
 /// Warnings that matter to what is identified of a file, and nothing to a simulation.
 const OF_A_RECORDING: [&str; 2] = ["no-repeats", "extra-columns"];
 /// Times by which measured and simulated sizes may differ: beyond, it is another unit.
 const ANOTHER_UNIT: f64 = 30.0;
+
+/// What rigid body and friction leave of some efforts along a recording, at the samples that are admitted.
+pub type Beside = fn(&Recording, &[Vec<f64>], &dyn Fn(usize) -> bool) -> Option<Vec<Vec<f64>>>;
 
 /// File and column of `FILE[:COLUMN]`; `None` where no such file is there.
 fn split(name: &str) -> Option<(&Path, Option<&str>)> {
@@ -39,7 +48,11 @@ impl Recording {
     ///
     /// # Errors
     /// A message for the user: a file that cannot be read, another quantity, another unit, another time.
-    pub fn load_simulated(&mut self, name: &str) -> Result<Option<Simulated>, String> {
+    pub fn load_simulated(
+        &mut self,
+        name: &str,
+        beside: Beside,
+    ) -> Result<Option<Simulated>, String> {
         let Some((path, column)) = split(name) else {
             return Ok(None);
         };
@@ -92,7 +105,7 @@ impl Recording {
             message: format!("{name}: {}", warning.message),
             ..warning.clone()
         }));
-        let clock = Clock::of(&own.t_s, &self.t_s).map_err(|what| wrong(&what))?;
+        let clock = self.clock_of(&own, beside).map_err(|what| wrong(&what))?;
         if clock.later != 0.0 {
             self.warnings.push(warning!(
                 "simulated-clock",
@@ -115,11 +128,12 @@ impl Recording {
         let late = lateness(&self.position, &at(&own.position, 0.0), self.sample_time_s);
         let (low, high) = self.ends();
         let follows = own.position.is_empty() || {
-            let position = at(&own.position, late.unwrap_or(0.0));
-            let apart = position
-                .iter()
-                .zip(&self.position)
-                .map(|(a, b)| (a - b).abs());
+            let late = late.unwrap_or(0.0);
+            let position = at(&own.position, late);
+            // Beyond its ends it says nothing.
+            let apart = (position.iter().zip(&self.position).zip(&self.t_s))
+                .filter(|(_, t)| clock.covers(&own.t_s, *t + late))
+                .map(|((a, b), _)| (a - b).abs());
             apart.fold(0.0, f64::max) <= FOLLOWS * (high - low)
         };
         let late = late.filter(|_| follows);
@@ -139,6 +153,67 @@ impl Recording {
                 effort: Some(effort),
             },
         }))
+    }
+
+    /// The clock of a simulation: as it is or, where that surely leaves less between the two, begun or ended with the recording.
+    fn clock_of(&self, own: &Recording, beside: Beside) -> Result<Clock, String> {
+        let mut clocks = Clock::all(&own.t_s, &self.t_s)?;
+        let first = clocks[0].later;
+        let apart = |clock: &Clock| (clock.later - first).abs() > LEAST * self.sample_time_s;
+        clocks = clocks
+            .into_iter()
+            .enumerate()
+            .filter_map(|(i, clock)| (i == 0 || apart(&clock)).then_some(clock))
+            .collect();
+        let best = self.fits_best(own, &clocks, beside).unwrap_or(0);
+        Ok(clocks.swap_remove(best))
+    }
+
+    /// The clock that surely leaves less than the first between a simulation and the recording, beside numbers that may be wrong.
+    fn fits_best(&self, own: &Recording, clocks: &[Clock], beside: Beside) -> Option<usize> {
+        let is_moving = !own.position.is_empty();
+        let (measured, simulated) = match is_moving {
+            true => (&self.position, &own.position),
+            false => (&self.effort, &own.effort),
+        };
+        if clocks.len() < 2 || measured.is_empty() || simulated.is_empty() {
+            return None;
+        }
+        let between = |clock: &Clock| -> Vec<f64> {
+            let simulated = clock.at(&own.t_s, simulated, &self.t_s, 0.0);
+            let opposed = correlation(&simulated, measured) < super::simulated::OPPOSED;
+            let sign = if opposed { -1.0 } else { 1.0 };
+            let both = measured.iter().zip(simulated);
+            both.map(|(m, s)| m - sign * s).collect()
+        };
+        let between: Vec<Vec<f64>> = clocks.iter().map(between).collect();
+        let is_covered = |i: usize| clocks.iter().all(|c| c.covers(&own.t_s, self.t_s[i]));
+        let left = match is_moving {
+            true => {
+                let covered = |all: &Vec<f64>| {
+                    let own = (0..all.len()).filter(|i| is_covered(*i));
+                    own.map(|i| all[i]).collect()
+                };
+                between.iter().map(covered).collect()
+            }
+            false => beside(self, &between, &is_covered)?,
+        };
+        let squares = |left: &[f64]| left.iter().map(|v| v * v).sum::<f64>();
+        let best =
+            (0..left.len()).min_by(|a, b| squares(&left[*a]).total_cmp(&squares(&left[*b])))?;
+        // One of the recording's own length was made for it: that its stamps begin elsewhere says nothing.
+        let lasts = |t: &[f64]| t.last().zip(t.first()).map_or(0.0, |(b, a)| b - a);
+        let is_as_long = (lasts(&own.t_s) - lasts(&self.t_s)).abs()
+            <= LEAST * self.sample_time_s.max(own.sample_time_s);
+        let taken: Vec<f64> = left[0]
+            .iter()
+            .zip(&left[best])
+            .map(|(a, b)| a - b)
+            .collect();
+        let cut = |k: usize| k * taken.len() / BLOCKS;
+        let blocks: Vec<_> = (0..BLOCKS).map(|k| cut(k)..cut(k + 1)).collect();
+        let found = evidence(&taken, &left[0], &blocks);
+        (found.z >= SURE && (is_as_long || found.share >= TAKES)).then_some(best)
     }
 
     /// A simulated effort with the sign of the measured one, in its unit as far as its size shows.
@@ -175,25 +250,31 @@ struct Clock {
 }
 
 impl Clock {
-    fn of(own: &[f64], recorded: &[f64]) -> Result<Self, String> {
+    /// Those under which it covers the recording: as it is, begun with it, ended with it.
+    fn all(own: &[f64], recorded: &[f64]) -> Result<Vec<Self>, String> {
         let ends = |t: &[f64]| t.first().copied().zip(t.last().copied());
         let Some((own, recorded)) = ends(own).zip(ends(recorded)) else {
             return Err("it has no samples".to_owned());
         };
         let length = recorded.1 - recorded.0;
         let shared = |later: f64| (own.1 + later).min(recorded.1) - (own.0 + later).max(recorded.0);
-        let later = if shared(0.0) >= SHARED * length {
-            0.0
-        } else {
-            recorded.0 - own.0
-        };
-        match shared(later) >= SHARED * length {
-            true => Ok(Self { later }),
-            false => Err(format!(
+        let mut all = vec![0.0, recorded.0 - own.0, recorded.1 - own.1];
+        all.retain(|later| shared(*later) >= SHARED * length);
+        match all.is_empty() {
+            false => Ok(all.into_iter().map(|later| Self { later }).collect()),
+            true => Err(format!(
                 "it lasts {:.3} s, the recording {length:.3} s; simulate the whole recording",
                 own.1 - own.0
             )),
         }
+    }
+
+    /// Whether it has a recorded time.
+    fn covers(&self, own: &[f64], recorded: f64) -> bool {
+        let within = |first: &f64, last: &f64| (*first..=*last).contains(&(recorded - self.later));
+        own.first()
+            .zip(own.last())
+            .is_some_and(|(a, b)| within(a, b))
     }
 
     /// Values at the recorded times, straight between two samples and held beyond the ends; they are `late` by so much (s).
@@ -224,6 +305,7 @@ fn lateness(measured: &[f64], simulated: &[f64], step: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::signal::beside_the_motion;
     use std::fmt::Write as _;
 
     const RATE_HZ: f64 = 1000.0;
@@ -263,7 +345,7 @@ mod tests {
     /// Largest difference from the recorded force away from the ends.
     fn apart(recording: &Recording, found: &Simulated) -> f64 {
         let Simulated::Effort(effort) = found else {
-            panic!("{found:?} is no effort");
+            panic!("no effort");
         };
         let pairs = effort.iter().zip(&recording.effort).skip(1000).take(18_000);
         let squares: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
@@ -289,7 +371,7 @@ mod tests {
             let path = file(folder.path(), "twin.csv", head, 800.0, row);
             let name = format!("{}:force_N", path.display());
             let found = recording
-                .load_simulated(&name)
+                .load_simulated(&name, beside_the_motion)
                 .expect("read")
                 .expect("a file");
             let apart = apart(&recording, &found);
@@ -307,13 +389,53 @@ mod tests {
         }
     }
 
+    /// A clock of its own is found though both clocks overlap and the simulation lacks a ripple; one that only began earlier stays.
+    #[test]
+    fn a_clock_that_overlaps_is_moved_where_that_explains_the_difference() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let row = |t: f64| {
+            let (x, force) = motion(t);
+            vec![t, x, force + 0.3 * (x / 0.001).sin()]
+        };
+        let path = file(folder.path(), "ripple.csv", "t_s,x_m,force_N", RATE_HZ, row);
+        for head in ["t_s,force_N", "t_s,x_m,force_N"] {
+            for (stamp, moment) in [
+                (0.02, 0.0),
+                (-0.02, 0.0),
+                (1.5, 0.0),
+                (-0.7, 0.0),
+                (-0.5, -0.5),
+            ] {
+                let mut recording = load(&path, &LoadOptions::default()).expect("a recording");
+                let row = |t: f64| {
+                    let (x, force) = motion(t + moment);
+                    match head.contains("x_m") {
+                        true => vec![t + stamp, x, force],
+                        false => vec![t + stamp, force],
+                    }
+                };
+                let twin = file(folder.path(), "twin.csv", head, 500.0, row);
+                let found =
+                    recording.load_simulated(&twin.display().to_string(), beside_the_motion);
+                let found = found.expect("read").expect("a file");
+                let apart = apart(&recording, &found);
+                println!("{head} {stamp} {moment}: {apart}, {:?}", recording.warnings);
+                // The ripple has 0.21 N RMS.
+                assert!((apart - 0.212).abs() < 0.02, "{head} {stamp}: {apart}");
+                let mut said = recording.warnings.iter();
+                let said = said.any(|w| w.code == "simulated-clock");
+                assert_eq!(said, stamp != moment);
+            }
+        }
+    }
+
     #[test]
     fn a_motion_of_its_own_is_one_and_another_unit_is_refused() {
         let folder = tempfile::tempdir().expect("a folder");
         let mut recording = recorded(folder.path());
         let row = |t: f64| vec![t, 1.1 * motion(t).0, motion(t).1];
         let own = file(folder.path(), "own.csv", "t_s,x_m,force_N", RATE_HZ, row);
-        let found = recording.load_simulated(&own.display().to_string());
+        let found = recording.load_simulated(&own.display().to_string(), beside_the_motion);
         assert!(
             matches!(
                 found,
@@ -326,13 +448,16 @@ mod tests {
         );
         let row = |t: f64| vec![t, motion(t).0, 1000.0 * motion(t).1];
         let milli = file(folder.path(), "milli.csv", "t_s,x_m,force_N", RATE_HZ, row);
-        let refused = recording.load_simulated(&milli.display().to_string());
+        let refused = recording.load_simulated(&milli.display().to_string(), beside_the_motion);
         assert!(
             refused
                 .clone()
                 .is_err_and(|e| e.contains("1000") && e.contains("unit")),
             "{refused:?}"
         );
-        assert_eq!(recording.load_simulated("nowhere.csv:force_N"), Ok(None));
+        assert_eq!(
+            recording.load_simulated("nowhere.csv:force_N", beside_the_motion),
+            Ok(None)
+        );
     }
 }

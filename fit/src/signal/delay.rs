@@ -88,13 +88,18 @@ impl Delay {
 
     /// In words, a sentence without its full stop.
     pub fn words(&self) -> String {
+        format!("{}; the fit allows for it", self.recorded())
+    }
+
+    /// How the effort is recorded, in a clause.
+    pub fn recorded(&self) -> String {
         let ms = |seconds: f64| 1e3 * seconds;
         let Estimate { value, ci95 } = self.delay_s;
         let reach = ci95.map_or_else(String::new, |[low, high]| {
             format!(" ± {:.2}", ms(0.5 * (high - low)))
         });
         format!(
-            "the effort is recorded {:.2}{reach} ms {} than its position; the fit allows for it",
+            "the effort is recorded {:.2}{reach} ms {} than its position",
             ms(value.abs()),
             if value > 0.0 { "later" } else { "earlier" }
         )
@@ -145,6 +150,38 @@ fn error_of_last(columns: &[&[f64]], target: &[f64]) -> f64 {
             .filter_map(without)
             .collect::<Vec<f64>>(),
     )
+}
+
+/// Shares of the top speed over which a simulation's friction may reverse.
+const SMOOTHEST: [f64; 6] = [3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1];
+
+/// What rigid body, hysteresis and friction of the velocity leave of some efforts along a recording, at the samples that `fits` admits. `None` where its motion shows neither.
+pub fn beside_the_motion(
+    recording: &Recording,
+    efforts: &[Vec<f64>],
+    fits: &dyn Fn(usize) -> bool,
+) -> Option<Vec<Vec<f64>>> {
+    let kinematics = Kinematics::of(recording);
+    let mut rigid = Rigid::of(recording, &kinematics, &yields(recording)?);
+    rigid.rows.retain(|i| fits(*i));
+    // Most simulations have friction that reverses with the velocity.
+    let top = kinematics
+        .velocity
+        .iter()
+        .fold(0.0, |top: f64, v| top.max(v.abs()));
+    for share in SMOOTHEST {
+        let slow = share * top.max(1e-300);
+        let smooth: Vec<f64> = kinematics
+            .velocity
+            .iter()
+            .map(|v| (v / slow).tanh())
+            .collect();
+        rigid.columns.push(kinematics.filter.smooth(&smooth));
+    }
+    let columns = rigid.at(&rigid.rows);
+    let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let one = |effort: &Vec<f64>| left(&columns, &rigid.fitted(&kinematics.filter.smooth(effort)));
+    efforts.iter().map(one).collect()
 }
 
 /// Whether the shift takes off enough of what the first term leaves, in enough of the recording.

@@ -18,7 +18,7 @@ mod zero_phase;
 pub use bristle::{RELAXED, bristle};
 pub use channel::Channel;
 pub use deflection::{Deflection, not_yet_known, unknown_starts};
-pub use delay::{Delay, TAKES};
+pub use delay::{Delay, TAKES, beside_the_motion};
 pub use kinematics::Kinematics;
 pub use resolution::step_at_reversals;
 pub use saturation::{End, Saturation};

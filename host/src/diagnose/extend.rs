@@ -1,6 +1,8 @@
 //! The model file that a diagnosis ends in: the confident effects on the user's own model with its parameters refitted, or on the refitted core.
 
-use super::given::Given;
+use super::effect::ALWAYS_FREE;
+use super::given::{Given, delay_of};
+use super::is_late;
 use super::modelled::effort_of;
 use super::named::Name;
 use super::null_model::{Hypothesis, NullModel};
@@ -57,7 +59,7 @@ impl Diagnosis {
         let of_fit = self.fit.as_ref().and_then(|fit| fit.model());
         let of_fit = of_fit.as_ref();
         let judged = of_fit.filter(|_| user.is_none());
-        let judged = judged.and_then(|m| Given::of(null, &self.states[1], recording, m));
+        let judged = judged.and_then(|m| Given::of(null, &self.states[1], recording, m, None));
         let own = user.zip(self.given_model.as_ref());
         let Some((user, given)) = own.or_else(|| of_fit.zip(judged.as_ref())) else {
             return core;
@@ -118,6 +120,7 @@ impl Diagnosis {
             replaces: changes(user, &model, effort),
             model,
             refused,
+            is_on_the_core: false,
             is_as_given: false,
         }
     }
@@ -132,6 +135,14 @@ impl Diagnosis {
             {
                 refused.push(format!("{}: {reason}", own.id()));
             }
+        }
+        let late = self
+            .allowed
+            .map(|delay| ("delay_s".to_owned(), delay.delay_s));
+        if let Some(late) = late.filter(|_| !is_late(model))
+            && let Err(reason) = ALWAYS_FREE.extend(&[late], model)
+        {
+            refused.push(format!("{}: {reason}", ALWAYS_FREE.id()));
         }
     }
 
@@ -192,6 +203,7 @@ impl Diagnosis {
             model,
             refused,
             replaces,
+            is_on_the_core: true,
             is_as_given: false,
         }
     }
@@ -223,6 +235,7 @@ fn as_given(user: &Model) -> Extended {
             "nothing: no refit leaves less on stretches held out and by `preslide simulate` than the model as it is"
                 .to_owned(),
         ],
+        is_on_the_core: false,
         is_as_given: true,
     }
 }
@@ -240,7 +253,11 @@ fn changes(user: &Model, model: &Model, effort: &str) -> Vec<String> {
             model.constant_force,
         ),
     ];
-    let changed = pairs.into_iter().filter(|(_, from, to)| from != to);
+    let late = is_late(user).then(|| ("channel_delay.delay_s", delay_of(user), delay_of(model)));
+    let changed = pairs
+        .into_iter()
+        .chain(late)
+        .filter(|(_, from, to)| from != to);
     let mut changed: Vec<String> = changed
         .filter_map(|(key, from, to)| {
             let (name, unit) = name_and_unit(&key_of(model.motion, key), effort);

@@ -8,6 +8,7 @@ use super::effect::{
     viscous::Viscous,
 };
 use super::term::{Subject, Term};
+use super::without_delay;
 use preslide_fit::effects::form;
 use preslide_fit::identify::plain::Place;
 use preslide_fit::identify::{Candidate, Identification, MANY, Options, STEPS, identify, thinned};
@@ -115,9 +116,7 @@ impl Fit {
 
     /// The model that it recommends, of the effort on time.
     pub(super) fn model(&self) -> Option<Model> {
-        let mut model = self.0.as_ref().ok()?.best().model.clone();
-        model.effects.retain(|e| e.id() != form::CHANNEL_DELAY.id);
-        Some(model)
+        Some(without_delay(&self.0.as_ref().ok()?.best().model))
     }
 
     /// Every law that it tried; none where there is no fit.

@@ -8,9 +8,11 @@ use super::normal::{Bound, Normal};
 use super::null_model::{Hypothesis, Nmse, NullModel};
 use super::term::{Subject, Term};
 use super::weak::Column;
+use super::without_delay;
 use preslide_fit::effects::{Effect, form};
 use preslide_fit::model::Model;
 use preslide_fit::recording::Recording;
+use preslide_fit::signal::Delay;
 use preslide_fit::statistics::{Estimate, jackknife};
 
 /// Keys of an effect's size, to which its force is in proportion.
@@ -68,6 +70,7 @@ enum Part {
     Viscous,
     ViscousOf(f64),
     Constant,
+    Delay,
     /// The number of an effect.
     Effect(usize),
 }
@@ -81,6 +84,11 @@ struct Share {
 }
 
 impl Refitted {
+    /// Whether it is the delay of the effort.
+    pub fn is_delay(&self) -> bool {
+        self.part == Part::Delay
+    }
+
     /// Whether it is wrong, where the refitted model leaves so much (%) and less than `least` (%) is worth nothing.
     fn is_wrong(&self, left: f64, least: f64) -> bool {
         let outside = self
@@ -93,18 +101,20 @@ impl Refitted {
 }
 
 impl Given {
-    /// Judges a model beside what a hypothesis names besides, and a delay, which every recording may have. `None` where an effect needs what was
+    /// Judges a model beside what a hypothesis names besides, and a delay, which every recording may have; `allowed` is the one that the rows are
+    /// without and the model has. `None` where an effect needs what was
     /// not recorded, or where the motion does not determine the parameters.
     pub fn of(
         null: &NullModel,
         extended: &Hypothesis,
         recording: &Recording,
         model: &Model,
+        allowed: Option<Delay>,
     ) -> Option<Self> {
         let delay = Term::new(Subject::Effect(ALWAYS_FREE), &[]);
         let named = extended.terms.iter().filter(|t| !t.is_delay());
         let beside: Vec<Term> = named.chain([&delay]).cloned().collect();
-        Self::beside(null, &beside, recording, model)
+        Self::beside(null, &beside, recording, model, allowed)
     }
 
     /// Judges a model beside some terms.
@@ -113,12 +123,17 @@ impl Given {
         terms: &[Term],
         recording: &Recording,
         model: &Model,
+        allowed: Option<Delay>,
     ) -> Option<Self> {
         let rows = &null.rows;
         let at_rows = |model: &Model| Some(rows.weak.rows(&effort_of(model, recording).ok()?));
-        let whole = at_rows(model)?;
         let as_recorded = rows.weak.rows(&Column::of(recording.effort.clone()));
-        let stands = rows.nmse(&left(&as_recorded, &whole));
+        let leaves = |model: &Model| Some(rows.nmse(&left(&as_recorded, &at_rows(model)?)));
+        let stands = leaves(model)?;
+        let late = allowed.map(|found| Late::of(model, found, |late| Some(leaves(late)? - stands)));
+        let prompt = late.as_ref().map(|_| without_delay(model));
+        let model = prompt.as_ref().unwrap_or(model);
+        let whole = at_rows(model)?;
         let shares = shares(null, recording, model)?;
         // What is in no proportion to a parameter stays as it is.
         let mut fixed = whole;
@@ -143,6 +158,10 @@ impl Given {
         let mut parameters = by_direction
             .filter(|split| is_one_way(split))
             .unwrap_or(own);
+        if let Some(late) = late.flatten() {
+            model.effects.push(late.effect);
+            parameters.push(late.parameter);
+        }
         let least = WORTH
             * (null.usual_friction() / rows.rms_of(100.0))
                 .powi(2)
@@ -169,6 +188,37 @@ impl Given {
     }
 }
 
+/// The delay of a model, found anew on the recording.
+struct Late {
+    effect: Effect,
+    parameter: Refitted,
+}
+
+impl Late {
+    /// `changes` tells what a model leaves more (NMSE, %) than the one that is given.
+    fn of(model: &Model, found: Delay, changes: impl Fn(&Model) -> Option<f64>) -> Option<Self> {
+        let found = found.delay_s;
+        let effect = Effect::new(form::CHANNEL_DELAY.id, &[("delay_s", found.value)]).ok()?;
+        let mut late = without_delay(model);
+        late.effects.push(effect.clone());
+        let parameter = Refitted {
+            part: Part::Delay,
+            key: format!("{}.delay_s", form::CHANNEL_DELAY.id),
+            given: delay_of(model),
+            found,
+            worth: (-changes(&late)?).max(0.0),
+            differs: false,
+        };
+        Some(Self { effect, parameter })
+    }
+}
+
+/// The delay (s) of a model's effort.
+pub(super) fn delay_of(model: &Model) -> f64 {
+    let all = model.of(&form::CHANNEL_DELAY);
+    all.map(|e| e.get("delay_s")).sum()
+}
+
 /// Whether viscous friction differs by direction beyond its intervals: halves of one that is wrong are worth half each, and neither may count.
 fn is_one_way(parameters: &[Refitted]) -> bool {
     let of = |direction: f64| {
@@ -189,7 +239,7 @@ fn is_among(term: &Term, shares: &[Share]) -> bool {
         Part::Viscous | Part::ViscousOf(_) => id == form::VISCOUS.id,
         Part::Constant => id == form::CONSTANT_FORCE.id,
         Part::Effect(_) => share.key.split('.').next() == Some(id),
-        Part::Inertia | Part::Level => false,
+        Part::Inertia | Part::Level | Part::Delay => false,
     })
 }
 
@@ -409,6 +459,7 @@ impl Refitted {
             Part::Viscous => model.viscous,
             Part::ViscousOf(direction) => model.viscous + direction * half_difference(),
             Part::Constant => model.constant_force,
+            Part::Delay => delay_of(model),
             Part::Effect(number) => {
                 let form = given.effects[number].form;
                 let before = given.effects[..number].iter();
@@ -432,7 +483,7 @@ impl Refitted {
                 }
             }
             Part::Viscous => model.viscous = value,
-            Part::ViscousOf(_) => {}
+            Part::ViscousOf(_) | Part::Delay => {}
             Part::Constant => model.constant_force = value,
             Part::Effect(number) => {
                 let size = |key: &str| SIZES.contains(&key);

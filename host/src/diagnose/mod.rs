@@ -217,7 +217,11 @@ fn judge(
     if let Some(found) = StickSlip::of(recording).filter(|found| found.hunts) {
         return Err(Refusal::Data(found.refusal(recording)));
     }
-    let given = model.map(terms_of).unwrap_or_default();
+    let channel = channel_of(recording, model, fit, simulated.is_some());
+    // A delay that the model has is taken off like any other, and the model judged without it.
+    let allowed = channel.delay.filter(|_| model.is_some_and(is_late));
+    let prompt = model.filter(|_| allowed.is_some()).map(without_delay);
+    let given = prompt.as_ref().or(model).map(terms_of).unwrap_or_default();
     let periods: Vec<(String, f64)> = model.iter().flat_map(|m| m.periods()).cloned().collect();
     let lengths: Vec<f64> = periods.iter().map(|p| p.1).collect();
     let unable = || {
@@ -244,15 +248,14 @@ fn judge(
         progress.inc(1);
         NullModel::new(rows, &beside, known.yields.as_deref()).ok_or_else(unable)
     };
-    let channel = channel_of(recording, model, fit, simulated.is_some());
     let on_time = channel.taken_off(recording);
     let mut unknown = channel.unknown(0);
     unknown.extend(unknown_starts(recording));
     let (recorded, recording) = (recording, on_time.as_ref().unwrap_or(recording));
     let null = null_of(recording, &unknown)?;
     let shift = match channel.delay {
-        Some(_) => Shift::of(&null_of(recorded, &unknown)?, &null),
-        None => None,
+        Some(_) if allowed.is_none() => Shift::of(&null_of(recorded, &unknown)?, &null),
+        _ => None,
     };
     let searched = |mut null: NullModel| {
         if let Some((simulated, missed)) = simulated {
@@ -272,7 +275,7 @@ fn judge(
     verdict::conclude(
         found,
         event,
-        (channel, shift),
+        (channel, shift, allowed),
         given.len(),
         &periods,
         recorded,
@@ -285,8 +288,8 @@ fn judge(
     .ok_or_else(unable)
 }
 
-/// What lies between the machine and the recorded effort: what the fit took off, and nothing that a model of the user's has already. A simulated effort
-/// passed no channel.
+/// What lies between the machine and the recorded effort: what the fit took off, and no end or vibration that a model of the user's has already. A
+/// simulated effort passed no channel.
 fn channel_of(
     recording: &Recording,
     model: Option<&Model>,
@@ -314,10 +317,19 @@ fn channel_of(
     if has(&form::ACTUATOR_SATURATION) {
         found.saturation = None;
     }
-    if has(&form::CHANNEL_DELAY) {
-        found.delay = None;
-    }
     found
+}
+
+/// Whether a model has a delay of the effort.
+fn is_late(model: &Model) -> bool {
+    model.of(&form::CHANNEL_DELAY).next().is_some()
+}
+
+/// The model of an effort on time.
+fn without_delay(model: &Model) -> Model {
+    let mut prompt = model.clone();
+    prompt.effects.retain(|e| e.id() != form::CHANNEL_DELAY.id);
+    prompt
 }
 
 /// Refuses what is no recording of motion and effort, or not the model's kind of axis.

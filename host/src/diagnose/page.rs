@@ -98,7 +98,7 @@ impl Diagnosis {
     fn given_section(&self, recording: &Recording) -> Option<Section> {
         Some(Section {
             heading: "Your model".to_owned(),
-            paragraphs: vec![self.given_words()?],
+            paragraphs: vec![self.given_words(recording)?],
             tables: self.given_table(recording).into_iter().collect(),
             ..Section::default()
         })

@@ -64,7 +64,7 @@ pub struct Unknown {
     pub place: Option<Place>,
     /// Root mean square (N or N·m) of what it takes off the residual on stretches held out: its own force may be far larger.
     pub rms: f64,
-    /// It is friction that wanders in time, along its path or over the travel, or departs from its law, by no more than every machine's.
+    /// It is friction that wanders in time, along its path or over the travel, or departs from its law, by too little to tell it from an error of the law.
     pub wanders: bool,
 }
 

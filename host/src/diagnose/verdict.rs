@@ -29,7 +29,7 @@ use super::unnamed::{Unknown, is_likely, is_something, likely, unnamed};
 use preslide_fit::evidence::NAMED;
 use preslide_fit::model::Model;
 use preslide_fit::recording::Recording;
-use preslide_fit::signal::Channel;
+use preslide_fit::signal::{Channel, Delay};
 use preslide_fit::statistics::Estimate;
 use std::sync::{Arc, OnceLock};
 
@@ -89,6 +89,8 @@ pub struct Extended {
     pub refused: Vec<String>,
     /// What of the user's model it replaces, each in a clause.
     pub replaces: Vec<String>,
+    /// Its friction is a finer hysteresis, with which its other parameters were fitted.
+    pub is_on_the_core: bool,
     /// The user's model as it is, since nothing that was found leaves less.
     pub is_as_given: bool,
 }
@@ -129,6 +131,8 @@ pub struct Diagnosis {
     pub states: [Hypothesis; 2],
     /// What the user's simulation lacks, where something is stated.
     pub correction: Option<Correction>,
+    /// The delay of the effort, where the user's model has one.
+    pub allowed: Option<Delay>,
     /// By how much (s) that was late, which is taken off.
     pub simulated_late: Option<f64>,
     /// The model that stands for a simulation which moved by itself.
@@ -164,7 +168,7 @@ impl Diagnosis {
 pub fn conclude(
     mut found: Found,
     event: Option<Unknown>,
-    (channel, shift): (Channel, Option<Shift>),
+    (channel, shift, allowed): (Channel, Option<Shift>, Option<Delay>),
     given: usize,
     mechanics: &[(String, f64)],
     recording: &Recording,
@@ -183,7 +187,7 @@ pub fn conclude(
     let law = of_fit.filter(|_| user.is_none());
     let left = |null: &NullModel, hypothesis: &Hypothesis| {
         let on_the_core = hypothesis.nmse(&null.rows);
-        let own = law.and_then(|m| Given::beside(null, &hypothesis.terms, recording, m));
+        let own = law.and_then(|m| Given::beside(null, &hypothesis.terms, recording, m, None));
         let own = own.map(|own| own.refitted);
         own.filter(|own| own.test < on_the_core.test)
             .unwrap_or(on_the_core)
@@ -201,7 +205,7 @@ pub fn conclude(
         first,
         left: mut baseline,
     } = begun;
-    let given_model = user.and_then(|m| Given::of(&null, &extended, recording, m));
+    let given_model = user.and_then(|m| Given::of(&null, &extended, recording, m, allowed));
     // Where all names together leave much of the effort, none of them is sure but a line that stands out of chance by itself.
     let reached = left(&null, &extended);
     if reached.test > EXPLAINS_LITTLE {
@@ -348,6 +352,7 @@ pub fn conclude(
         null,
         states: [first, extended],
         correction: None,
+        allowed,
         simulated_late: None,
         reproduced: None,
         second_positions: Vec::new(),

@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::channel::FREQUENCY;
 use super::effect::{Line, actuator_saturation::READING};
-use super::given::{Given, Refitted};
+use super::given::{Given, Refitted, delay_of};
 use super::hysteresis;
 use super::named::{Name, Named};
 use super::place::{Place, means_over};
@@ -401,6 +401,7 @@ impl Diagnosis {
         if !wrong.is_empty() && self.verdict != Verdict::ParametersDiffer {
             clauses.push(format!("wrong in the model: {}", wrong.join(", ")));
         }
+        clauses.extend(self.allowed_words());
         clauses.extend(self.other_law(recording));
         clauses.extend(self.too_soft());
         if self.null.core.follows_velocity() {
@@ -413,7 +414,7 @@ impl Diagnosis {
                 _ => format!("friction departs from its law over {axis}"),
             };
             let by = quantity(wanders.rms, recording.effort_unit());
-            clauses.push(format!("{what} by {by} RMS, as every machine's does"));
+            clauses.push(format!("{what} by {by} RMS, too little to tell from an error of the friction law, and so not named"));
         }
         clauses
     }
@@ -425,7 +426,7 @@ impl Diagnosis {
     }
 
     /// The user's model as it stands and refitted, in a sentence without its full stop.
-    pub fn given_words(&self) -> Option<String> {
+    pub fn given_words(&self, recording: &Recording) -> Option<String> {
         self.given_model.as_ref().map(|given| {
             let refitted = match given.refitted.test < given.stands {
                 true => format!(
@@ -437,11 +438,19 @@ impl Diagnosis {
                     left(given.refitted.test)
                 ),
                 false => {
-                    "a refit of its parameters leaves no less on stretches held out".to_owned()
+                    "a refit of its parameters on its own law leaves no less on stretches held out"
+                        .to_owned()
                 }
             };
+            // What -o writes need not be the refit.
+            let written = self.extended_model(recording);
+            let otherwise = match (written.is_on_the_core, written.is_as_given) {
+                (true, _) => "; -o writes a finer hysteresis and the parameters that go with it",
+                (_, true) => "; -o writes it as it is",
+                _ => "",
+            };
             format!(
-                "your model as it stands leaves {} of the variance; {refitted}",
+                "your model as it stands leaves {} of the variance; {refitted}{otherwise}",
                 left(given.stands)
             )
         })
@@ -482,6 +491,18 @@ impl Diagnosis {
             let slow = quantity(slow, &format!("{}/s", recording.position_unit()));
             format!("the simulation's friction reverses with the velocity, as tanh(v/v0) with v0 = {slow}, and the recording's along the path: pre-sliding is what it lacks")
         })
+    }
+
+    /// The delay of a recording whose model has one, in a clause.
+    fn allowed_words(&self) -> Option<String> {
+        let delay = self.allowed?;
+        let given = self.user.as_ref().map_or(0.0, delay_of);
+        let is_wrong = self.wrong().any(Refitted::is_delay);
+        let allows = match is_wrong {
+            true => format!("the model allows for {}", quantity(given, "s")),
+            false => "the model allows for it".to_owned(),
+        };
+        Some(format!("{}, and {allows}", delay.recorded()))
     }
 
     /// The same in a clause.

@@ -2,6 +2,7 @@
 
 use super::*;
 use column::Kind;
+use given::Refitted;
 use preslide_fit::effects::Effect;
 use preslide_fit::recording::Extra;
 use preslide_fit::simulate::force_of_motion;
@@ -126,6 +127,17 @@ fn a_refit_that_simulates_worse_is_not_written() {
         let (before, after) = (left(&given), left(&extended.model));
         println!("{before} {after}");
         assert!(after < before || (extended.is_as_given && after == before));
+        // What is said of -o is what it writes, and the refit otherwise.
+        let words = found.given_words(&recording).expect("a model");
+        let says = |what: &str| words.contains(what);
+        assert_eq!(says("-o writes it as it is"), extended.is_as_given);
+        assert_eq!(
+            says("-o writes a finer hysteresis"),
+            extended.is_on_the_core
+        );
+        let given = found.given_model.as_ref().expect("a model");
+        let is_refit = |p: &Refitted| found.written_of(p, &recording) == p.found.value;
+        assert!(says("-o writes") || given.parameters.iter().all(is_refit));
     }
 }
 
@@ -203,6 +215,42 @@ fn a_long_delay_is_a_shift() {
             .effects
             .iter()
             .any(|e| e.id() == "channel_delay" && e.confident)
+    );
+}
+
+/// A model that has the delay is told so, and one that has another is told which.
+#[test]
+fn a_delay_that_the_model_has_is_said_and_a_wrong_one_corrected() {
+    let late = |delay: f64| {
+        let mut late = model(1.0, 1.0, 8.0);
+        let effect = Effect::new("channel_delay", &[("delay_s", delay)]).expect("valid");
+        late.effects.push(effect);
+        late
+    };
+    let mut recording = made(|_, _, v| 8.0 * v);
+    let prompt = recording.effort.clone();
+    let effort = recording.effort.iter_mut().enumerate();
+    effort.for_each(|(i, f)| *f = prompt[i.saturating_sub(8)]);
+    let said = "the effort is recorded 16.";
+    let right = told(&recording, Some(&late(0.016)));
+    assert_eq!(right.verdict, Verdict::Consistent);
+    let words = right.verdict_words(&recording);
+    assert!(words.contains(said) && words.contains("the model allows for it"));
+
+    let wrong = told(&recording, Some(&late(0.005)));
+    assert_eq!(wrong.verdict, Verdict::ParametersDiffer);
+    let words = wrong.verdict_words(&recording);
+    assert!(words.contains(said) && words.contains("the model allows for 5"));
+    let keys: Vec<&str> = wrong.wrong().map(|p| p.key.as_str()).collect();
+    assert_eq!(keys, ["channel_delay.delay_s"]);
+    let written = &wrong.extended_model(&recording).model;
+    let delays: Vec<f64> = (written.effects.iter())
+        .filter(|e| e.id() == "channel_delay")
+        .map(|e| e.get("delay_s"))
+        .collect();
+    assert!(
+        matches!(delays.as_slice(), [one] if (one / 0.016 - 1.0).abs() < 0.03),
+        "{delays:?}"
     );
 }
 
