@@ -74,7 +74,7 @@ impl Table {
     }
 
     /// The table aligned for a terminal, each line ended by a newline; cells of the widest columns are broken between words where it would
-    /// be wider than [`WIDEST`].
+    /// be wider than 100 characters.
     pub fn to_text(&self) -> String {
         let widths = self.widths();
         let mut text = String::new();
