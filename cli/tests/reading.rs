@@ -101,6 +101,25 @@ fn a_current_is_taken_as_it_is_and_what_a_constant_would_add_is_said() {
     );
 }
 
+#[test]
+fn a_model_of_a_motion_that_goes_one_way_says_what_its_constant_force_is() {
+    let folder = Folder::new();
+    let mut rows = "t_s,x_m,force_N\n".to_owned();
+    for i in 0..4000 {
+        let t = f64::from(i) * 2e-3;
+        let (sin, cos) = (3.0 * t).sin_cos();
+        let (x, v, a) = (0.1 * t - 0.02 * cos, 0.1 + 0.06 * sin, 0.18 * cos);
+        rows += &format!("{t:.3},{x:.9},{:.6}\n", 30.0 + 120.0 * v + 40.0 * a);
+    }
+    let (path, model) = (folder.file("oneway.csv", rows), folder.path("model.toml"));
+    preslide(&["identify", &path, "-o", &model]).succeeds();
+    let model = std::fs::read_to_string(model).expect("written");
+    assert!(
+        model.contains("# the motion goes one way: constant_force"),
+        "{model}"
+    );
+}
+
 /// Under a limit of address space, so that reading it would fail loudly.
 #[cfg(unix)]
 #[test]

@@ -270,6 +270,12 @@ pub fn model_text(found: &Identification, recording: &Recording) -> String {
         ),
     ];
     remarks.extend(recording.per_unit());
+    if best.rigid_body.iter().any(|p| p.0 == "coulomb_and_offset") {
+        remarks.push(
+            "the motion goes one way: constant_force is Coulomb friction and a constant load in one; record reversals to part them"
+                .to_owned(),
+        );
+    }
     let Some(count) = recording.count else {
         return best.model.to_toml(&remarks);
     };
