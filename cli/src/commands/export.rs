@@ -117,15 +117,7 @@ impl Export {
         of_axis(&whole, &self.model, &[("--count", self.count.as_ref())])?;
         let model = reduced(&whole, &self.without).map_err(in_file)?;
 
-        let formats = [
-            (self.mjcf, Format::Mjcf),
-            (self.urdf, Format::Urdf),
-            (self.usd, Format::Usd),
-        ];
-        let format = formats
-            .into_iter()
-            .find_map(|(asked, f)| asked.then_some(f));
-        let joint = format.map(|format| Joint::of(&model, format));
+        let joint = self.format().map(|format| Joint::of(&model, format));
         let joint = joint.transpose().map_err(in_file)?;
         let how = match (&joint, self.lang) {
             (Some(_), _) => "Written by `preslide export`: a joint for one of your bodies.",
@@ -244,6 +236,17 @@ impl Export {
         Ok(Some(source.with_extension("h")))
     }
 
+    /// That of a joint, where one is asked for.
+    fn format(&self) -> Option<Format> {
+        let formats = [
+            (self.mjcf, Format::Mjcf),
+            (self.urdf, Format::Urdf),
+            (self.usd, Format::Usd),
+        ];
+        let asked = formats.into_iter().find(|(is_asked, _)| *is_asked);
+        asked.map(|(_, format)| format)
+    }
+
     /// What was exported, where that is asked for: the remarks of the source, its kernel, and what a joint cannot hold.
     fn write_json(
         &self,
@@ -254,13 +257,9 @@ impl Export {
         let Some(path) = &self.json else {
             return Ok(());
         };
-        let joint = [(self.mjcf, "mjcf"), (self.urdf, "urdf"), (self.usd, "usd")];
         let language = if self.lang == Lang::C { "c" } else { "rust" };
-        let format = joint
-            .into_iter()
-            .find_map(|(asked, name)| asked.then_some(name));
         let answer = json!({
-            "schema": "preslide.export/1", "model": name(&self.model), "format": format.unwrap_or(language),
+            "schema": "preslide.export/1", "model": name(&self.model), "format": self.format().map_or(language, Format::name),
             "output": self.output, "kernel": kernel.map(Kernel::name), "without": self.without, "not_held": not_held, "remarks": remarks,
         });
         outputs::write_json(path, &answer)

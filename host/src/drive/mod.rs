@@ -18,6 +18,8 @@ pub const MOST_BLOCKS: usize = 4;
 pub struct Loadable {
     /// By name, in the controller's order.
     pub parameters: Vec<(String, f64)>,
+    /// Blocks that the model's were split into or joined to; `None` where it goes as it is.
+    pub blocks: Option<usize>,
     /// Largest difference of the virgin curve that four blocks make, as a share of the breakaway force.
     pub deviation: f64,
     /// What is not sent, in words.
@@ -36,6 +38,7 @@ pub fn loadable(model: &Model, of_controller: u32) -> Result<Loadable, String> {
         let refused = refused(model).into_iter();
         return Ok(Loadable {
             parameters: whole,
+            blocks: None,
             deviation: 0.0,
             left_out: refused.map(|(id, _)| id.to_owned()).collect(),
         });
@@ -100,6 +103,7 @@ fn blocks_alone(model: &Model) -> Option<Loadable> {
     };
     Some(Loadable {
         parameters: parameters(&Model::of_friction(model.motion, friction)),
+        blocks: (blocks.len() != MOST_BLOCKS).then_some(MOST_BLOCKS),
         deviation,
         left_out: stribeck.into_iter().chain(effects).collect(),
     })

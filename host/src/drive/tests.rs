@@ -23,6 +23,7 @@ fn fewer_blocks_are_split_without_a_difference() {
         "{ stiffness_N_per_m = 2e5, weight = 0.6 }, { stiffness_N_per_m = 1e4, weight = 0.4 }",
     );
     let loaded = loadable(&two, starting()).expect("blocks");
+    assert_eq!(loaded.blocks, Some(4));
     assert!(loaded.deviation < 1e-12, "{}", loaded.deviation);
     assert!((weights(&loaded) - 1.0).abs() < 1e-12);
     assert!(loaded.parameters.iter().all(|(_, value)| *value > 0.0));
@@ -63,6 +64,7 @@ fn models_without_blocks_are_sent_or_refused_with_a_remedy() {
     // Firmware that was built for it takes all of it, and no other's.
     let whole = parameters(&blocks);
     let own = loadable(&blocks, layout(&whole)).expect("of the same parts");
+    assert_eq!(own.blocks, None);
     assert_eq!((own.parameters, own.left_out), (whole, Vec::new()));
     for (model, firmware) in [
         (with("kind = \"coulomb\"\ncoulomb_N = 0.9", ""), starting()),

@@ -31,6 +31,15 @@ struct Holds {
 }
 
 impl Format {
+    /// As its option has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mjcf => "mjcf",
+            Self::Urdf => "urdf",
+            Self::Usd => "usd",
+        }
+    }
+
     fn holds(self) -> Holds {
         static OF_MJCF: [&Form; 2] = [&form::POSITION_SPRING, &form::ACTUATOR_SATURATION];
         let (inertia, rest, effects) = match self {

@@ -513,11 +513,8 @@ impl Commanded {
                 _ => error.into(),
             })?;
         explain!("loaded: {named}");
-        let (own, sent) = (
-            model.friction.blocks().len(),
-            named.matches("stiffness").count(),
-        );
-        if own < sent {
+        let own = model.friction.blocks().len();
+        if let Some(sent) = loaded.blocks.filter(|sent| own < *sent) {
             say!(
                 "Note: this firmware has {sent} blocks: the model's {own} are sent in equal parts, which make the same force."
             );
