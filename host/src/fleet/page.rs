@@ -1,7 +1,7 @@
 //! What drifted, the surest first: on a page, in a table and for machines.
 
 use super::Row;
-use super::history::Change;
+use super::history::{Change, Way};
 use preslide_fit::report::units::name_and_unit;
 use preslide_fit::report::{Axis, Figure, Page, Section, Series, Table};
 use serde_json::{Value, json};
@@ -74,6 +74,7 @@ pub fn to_json(
             "axis": row.axis,
             "file": row.file,
             "parameter": change.parameter,
+            "over_recordings": match change.way { Way::Step => 1, Way::Drift(count) => count },
             "usual": change.usual,
             "by": change.by,
             "by_ci95": [change.by - change.reach, change.by + change.reach],
@@ -114,7 +115,7 @@ pub fn page(rows: &[Row], ranked: &[(&Row, &Change)], lead: String, command: Str
             Section {
                 heading: "What drifted".to_owned(),
                 paragraphs: vec![
-                    "A change is the newest value less the mean of the axis's earlier recordings, with the 95 % interval that their scatter gives; by chance is how often one as large comes without a change.".to_owned(),
+                    "A change is the newest value less the mean of the axis's usual recordings, with the 95 % interval that their scatter gives, or what a straight line through all of them gained; by chance is how often one as large comes without a change. Usual is what raised no alarm: a change that lasts raises it with every recording.".to_owned(),
                 ],
                 tables: vec![table(ranked, LISTED)],
                 figures: figures.collect(),
