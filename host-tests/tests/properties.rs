@@ -268,7 +268,7 @@ fn every_model_stays_sound<S: Scalar + Send + 'static>(
 }
 
 proptest! {
-    #![proptest_config(cases(256))]
+    #![proptest_config(cases(64))]
 
     #[test]
     fn force_never_exceeds_the_limit_and_no_input_poisons_a_state(
@@ -476,7 +476,7 @@ fn near_one() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(cases(8_000))]
+    #![proptest_config(cases(2_000))]
 
     #[test]
     fn fixed_point_never_panics_and_keeps_its_limit(

@@ -408,6 +408,11 @@ fn friction_that_reverses_with_the_velocity_is_told_as_another_law() {
         .expect("a correction")
         .leaves("force_sim_corrected_N");
     assert!(left < 0.2, "{left} %");
+}
+
+#[test]
+#[ignore = "long study: cargo xtask test --all"]
+fn friction_that_reverses_with_the_velocity_is_all_that_is_told() {
     let (found, _) = between(machine(PLAIN), SMOOTH);
     assert_eq!(confident(&found), ["friction"]);
 }

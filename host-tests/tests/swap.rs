@@ -155,7 +155,7 @@ fn every_model(at: u32, speed: f64) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(8))]
 
     /// In motion and at rest: 40 µm take 800 ticks at 1 mm/s and most of the run at 0.2 mm/s.
     #[test]
@@ -299,7 +299,7 @@ fn swaps<F: Friction>(
 /// Gains, feed-forward, another GMS and another LuGre: at most 1.1 times the error of the worse of the two left alone.
 #[test]
 fn no_swap_costs_tracking() {
-    no_swap_costs(2);
+    no_swap_costs(1);
 }
 
 #[test]

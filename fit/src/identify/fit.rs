@@ -17,7 +17,8 @@ pub(super) fn key(kind: MotionKind, name: &str) -> String {
         "share_of_transmitted"
         | "motor_share_of_inertia"
         | "friction_cosine1"
-        | "friction_cosine2" => return name.to_owned(),
+        | "friction_cosine2"
+        | "stribeck_exponent" => return name.to_owned(),
         _ if name.starts_with("viscous") => "N_s_per_m",
         "spring" => "N_per_m",
         "spring_centre" => "m",

@@ -1,6 +1,6 @@
 //! A table of speed and effort without time: Coulomb and viscous friction, a constant force, and a Stribeck curve where there is one.
 //!
-//! `F = F_c·sgn v + b·v + d·|v| + (F_s − F_c)·sgn v·exp(−(v/v_s)²) + F_0`, by least squares; `d` and the Stribeck curve are there where chance makes
+//! `F = F_c·sgn v + b·v + d·|v| + (F_s − F_c)·sgn v·exp(−|v/v_s|^δ) + F_0`, by least squares; `d` and the Stribeck curve are there where chance makes
 //! the gain once in ten thousand tables. Intervals are those of the linearised fit, with Student's t.
 
 mod present;
@@ -19,8 +19,14 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 /// Probability of a gain by chance below which a term is there: many speeds `v_s` are tried.
 const CHANCE: f64 = 1e-4;
 
-/// Speeds `v_s` that are tried.
-const TRIED: i32 = 80;
+/// Exponents `δ` that a model may have.
+const EXPONENTS: [f64; 2] = [1.0, 4.0];
+
+/// Speeds `v_s` and exponents that are tried, and about the best of those, ever closer.
+const TRIED: [[usize; 2]; 4] = [[25, 7], [9, 9], [9, 9], [9, 9]];
+
+/// Bisections of an interval's end: to a thousandth of the range.
+const HALVINGS: u32 = 10;
 
 /// Fewest rows beyond the parameters.
 const SPARE: usize = 3;
@@ -41,12 +47,32 @@ pub struct SpeedTable {
     notes: Vec<String>,
 }
 
+/// `exp(−|v/v_s|^δ)`.
+#[derive(Clone, Copy, Debug)]
+struct Curve {
+    /// `v_s` (m/s or rad/s).
+    velocity: f64,
+    /// `δ`.
+    exponent: f64,
+}
+
+impl Curve {
+    /// Its value at a speed, and its slopes over `v_s` and `δ`.
+    fn at(self, v: f64) -> [f64; 3] {
+        let ratio = v.abs() / self.velocity;
+        let u = ratio.powf(self.exponent);
+        let value = (-u).exp();
+        // No row has a speed of zero, whose logarithm is infinite.
+        let [by_velocity, by_exponent] = [self.exponent * u / self.velocity, -u * ratio.ln()];
+        [value, value * by_velocity, value * by_exponent]
+    }
+}
+
 /// What a law has beside Coulomb and viscous friction and a constant force.
 #[derive(Clone, Copy, Debug, Default)]
 struct Law {
     by_direction: bool,
-    /// `v_s` (m/s or rad/s).
-    stribeck: Option<f64>,
+    stribeck: Option<Curve>,
     /// Motion of one sign: Coulomb friction and a constant force are one.
     one_way: bool,
 }
@@ -61,10 +87,7 @@ impl Law {
         if self.by_direction {
             columns.push(v.abs());
         }
-        columns.extend(
-            self.stribeck
-                .map(|v_s| v.signum() * (-(v / v_s).powi(2)).exp()),
-        );
+        columns.extend(self.stribeck.map(|curve| v.signum() * curve.at(v)[0]));
         columns
     }
 }
@@ -87,6 +110,82 @@ fn solve(speeds: &Speeds, law: Law) -> Option<Solved> {
         coefficients,
         squares,
     })
+}
+
+/// The law with the Stribeck curve that leaves least, whose speed and exponent are within those.
+fn with_curve(
+    speeds: &Speeds,
+    law: Law,
+    velocities: [f64; 2],
+    exponents: [f64; 2],
+) -> Option<Solved> {
+    let within = [velocities.map(f64::ln), exponents];
+    if within.iter().any(|[low, high]| low > high) {
+        return None;
+    }
+    let mut ranges = within;
+    let mut best: Option<Solved> = None;
+    for counts in TRIED {
+        // One of what is given.
+        let counts = [0, 1].map(|k| {
+            if within[k][0] < within[k][1] {
+                counts[k]
+            } else {
+                1
+            }
+        });
+        let step = |k: usize| (ranges[k][1] - ranges[k][0]) / (counts[k] - 1).max(1) as f64;
+        let steps = [step(0), step(1)];
+        let tried = (0..counts[0] * counts[1]).filter_map(|i| {
+            let at = [i % counts[0], i / counts[0]];
+            let [velocity, exponent] = [0, 1].map(|k| ranges[k][0] + at[k] as f64 * steps[k]);
+            let curve = Curve {
+                velocity: velocity.exp(),
+                exponent,
+            };
+            let law = Law {
+                stribeck: Some(curve),
+                ..law
+            };
+            solve(speeds, law).filter(|s| s.coefficients[s.coefficients.len() - 1] > 0.0)
+        });
+        best = tried
+            .chain(best)
+            .min_by(|a, b| a.squares.total_cmp(&b.squares));
+        let curve = best.as_ref()?.law.stribeck?;
+        let about = [curve.velocity.ln(), curve.exponent];
+        let near =
+            |k: usize, side: f64| (about[k] + side * steps[k]).clamp(within[k][0], within[k][1]);
+        ranges = [0, 1].map(|k| [near(k, -1.0), near(k, 1.0)]);
+    }
+    best
+}
+
+/// How far the exponent may go either way before the rest, fitted with it, leaves more than chance makes once in twenty: what it leaves is no
+/// parabola, and an interval from its curvature held a true exponent nine times in ten.
+fn exponents_that_do(speeds: &Speeds, solved: &Solved, velocities: [f64; 2]) -> Option<[f64; 2]> {
+    let own = solved.law.stribeck?.exponent;
+    let freedom = (speeds.velocity.len() - solved.coefficients.len() - 2) as f64;
+    let allowed = FisherSnedecor::new(1.0, freedom).ok()?.inverse_cdf(0.95);
+    let most = solved.squares * (1.0 + allowed / freedom);
+    let does = |exponent: f64| {
+        with_curve(speeds, solved.law, velocities, [exponent; 2]).is_some_and(|s| s.squares <= most)
+    };
+    Some(EXPONENTS.map(|end| {
+        if does(end) {
+            return end;
+        }
+        let (mut inside, mut outside) = (own, end);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (inside + outside);
+            *(if does(middle) {
+                &mut inside
+            } else {
+                &mut outside
+            }) = middle;
+        }
+        outside
+    }))
 }
 
 /// Whether so many parameters more are there, of what the errors were and are with `spare` rows beyond all parameters.
@@ -166,22 +265,15 @@ pub fn fit(mut speeds: Speeds, may_turn: bool) -> Result<SpeedTable, String> {
             best = with;
         }
     }
-    let parameters = best.coefficients.len() + 2;
+    let velocities = [different[1], 0.5 * top];
+    let parameters = best.coefficients.len() + 3;
     if spare(parameters) >= SPARE as f64 && different.len() > 4 {
-        let (low, high) = (different[1], 0.5 * top);
-        let tried = (0..TRIED).filter(|_| high > low).filter_map(|i| {
-            let v_s = low * (high / low).powf(f64::from(i) / f64::from(TRIED - 1));
-            let law = Law {
-                stribeck: Some(v_s),
-                ..best.law
-            };
-            solve(&speeds, law).filter(|s| s.coefficients[s.coefficients.len() - 1] > 0.0)
-        });
-        let with = tried.min_by(|a, b| a.squares.total_cmp(&b.squares));
-        let with = with.filter(|w| is_there(best.squares, w.squares, 2.0, spare(parameters)));
+        let with = with_curve(&speeds, best.law, velocities, EXPONENTS);
+        let with = with.filter(|w| is_there(best.squares, w.squares, 3.0, spare(parameters)));
         best = with.unwrap_or(best);
     }
-    let found = SpeedTable::of(speeds, &best, notes).ok_or_else(failed)?;
+    let exponents = exponents_that_do(&speeds, &best, velocities);
+    let found = SpeedTable::of(speeds, &best, exponents, notes).ok_or_else(failed)?;
     if found.nmse_held_out.is_nan() || found.nmse_held_out > MOST_LEFT {
         return fail(&format!(
             "Coulomb and viscous friction leave {:.0} % of the effort's variance: this is not a table of friction over speed; check its columns and units",
@@ -192,18 +284,23 @@ pub fn fit(mut speeds: Speeds, may_turn: bool) -> Result<SpeedTable, String> {
 }
 
 impl SpeedTable {
-    fn of(speeds: Speeds, solved: &Solved, notes: Vec<String>) -> Option<Self> {
+    fn of(
+        speeds: Speeds,
+        solved: &Solved,
+        exponents: Option<[f64; 2]>,
+        notes: Vec<String>,
+    ) -> Option<Self> {
         let Solved {
             law, coefficients, ..
         } = solved;
         let last = coefficients[coefficients.len() - 1];
-        // With the slope over v_s, which makes the intervals those of all parameters together.
+        // With the slopes over the curve's two, which makes the intervals those of all parameters together.
         let slopes = |v: f64| {
             let mut row = law.columns(v);
-            row.extend(law.stribeck.map(|v_s| {
-                let u = (v / v_s).powi(2);
-                last * v.signum() * 2.0 * u / v_s * (-u).exp()
-            }));
+            if let Some(curve) = law.stribeck {
+                let [_, slopes @ ..] = curve.at(v);
+                row.extend(slopes.map(|slope| last * v.signum() * slope));
+            }
             row
         };
         let rows: Vec<Vec<f64>> = speeds.velocity.iter().map(|v| slopes(*v)).collect();
@@ -242,10 +339,15 @@ impl SpeedTable {
         if !law.one_way {
             parameters.push(("offset", estimate(c(2), &[(2, 1.0)])));
         }
-        if let Some(v_s) = law.stribeck {
+        if let Some(Curve { velocity, exponent }) = law.stribeck {
             let at = coefficients.len() - 1;
             parameters.push(("static", estimate(c(0) + last, &[(0, 1.0), (at, 1.0)])));
-            parameters.push(("stribeck_velocity", estimate(v_s, &[(at + 1, 1.0)])));
+            parameters.push(("stribeck_velocity", estimate(velocity, &[(at + 1, 1.0)])));
+            let exponent = Estimate {
+                value: exponent,
+                ci95: exponents,
+            };
+            parameters.push(("stribeck_exponent", exponent));
         }
         let columns = speeds.velocity.iter().map(|v| law.columns(*v));
         let fitted: Vec<f64> = columns
@@ -307,9 +409,14 @@ impl SpeedTable {
             let values = [("half_difference_N_s_per_m", half)];
             effects.push(Effect::new("viscous_asymmetry", &values)?);
         }
-        if let (Some(level), Some(v_s)) = (self.get("static"), self.get("stribeck_velocity")) {
-            let level = level / coulomb - 1.0;
-            let values = [("level", level), ("velocity_m_s", v_s), ("exponent", 2.0)];
+        if let Some(level) = self.get("static") {
+            let [velocity, exponent] =
+                ["velocity", "exponent"].map(|of| get(&format!("stribeck_{of}")));
+            let values = [
+                ("level", level / coulomb - 1.0),
+                ("velocity_m_s", velocity),
+                ("exponent", exponent),
+            ];
             effects.push(Effect::new("stribeck", &values)?);
         }
         Ok(Model {

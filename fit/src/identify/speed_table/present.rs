@@ -30,6 +30,7 @@ impl SpeedTable {
         let (force, position) = (self.force_unit(), self.speeds.kind.unit());
         let unit = |name: &str| match name {
             "stribeck_velocity" => self.velocity_unit(),
+            "stribeck_exponent" => String::new(),
             name if name.starts_with("viscous") => format!("{force}·s/{position}"),
             _ => force.to_owned(),
         };

@@ -35,6 +35,11 @@ fn stribeck(v: f64) -> f64 {
     plain(v) + 0.2 * v.signum() * (-(v / 0.08).powi(2)).exp()
 }
 
+/// Lubricants have exponents of one as well, whose curve reaches to where an exponent of two leaves viscous friction alone.
+fn stribeck_of_one(v: f64) -> f64 {
+    plain(v) + 0.4 * v.signum() * (-(v / 0.1).abs()).exp()
+}
+
 fn names(found: &SpeedTable) -> Vec<&str> {
     found.parameters.iter().map(|p| p.0).collect()
 }
@@ -42,7 +47,7 @@ fn names(found: &SpeedTable) -> Vec<&str> {
 #[test]
 fn intervals_hold_the_truth_and_no_curve_is_seen_where_there_is_none() {
     type Case = (fn(f64) -> f64, &'static [(&'static str, f64)]);
-    let cases: [Case; 3] = [
+    let cases: [Case; 4] = [
         (
             plain,
             &[("coulomb", 0.572), ("viscous", 0.522), ("offset", 0.012)],
@@ -55,6 +60,18 @@ fn intervals_hold_the_truth_and_no_curve_is_seen_where_there_is_none() {
                 ("offset", 0.012),
                 ("static", 0.772),
                 ("stribeck_velocity", 0.08),
+                ("stribeck_exponent", 2.0),
+            ],
+        ),
+        (
+            stribeck_of_one,
+            &[
+                ("coulomb", 0.572),
+                ("viscous", 0.522),
+                ("offset", 0.012),
+                ("static", 0.972),
+                ("stribeck_velocity", 0.1),
+                ("stribeck_exponent", 1.0),
             ],
         ),
         (
