@@ -6,6 +6,7 @@ mod channel;
 mod deflection;
 mod delay;
 mod kinematics;
+mod noise;
 mod resolution;
 mod rigid;
 mod saturation;
