@@ -298,7 +298,7 @@ pub fn identify(
         };
         found = better;
         found.search_notes.push(format!(
-            "above {:.1} Hz the effort shows less inertia than below, or none: a load swings, or the encoder's error is periodic. The fit uses what is below; `preslide diagnose` finds the cause",
+            "above {:.1} Hz the effort shows less inertia than below, or none: a load swings, or the encoder's error is periodic. The fit and its errors are of what is below, `preslide simulate` shows the whole; `preslide diagnose` finds the cause",
             found.band_hz
         ));
     }

@@ -8,7 +8,7 @@ use crate::progress::Progress;
 use crate::recording::Recording;
 use crate::report::figures::{left, quantity};
 use crate::report::units::symbol;
-use crate::signal::Kinematics;
+use crate::signal::{Kinematics, stands_mostly};
 use crate::statistics::{Estimate, nmse};
 
 /// Difference between training and test NMSE that wants an explanation.
@@ -323,6 +323,9 @@ impl Identification {
         let (baseline, _) = self.extremes();
         let best = self.best();
         let mut notes = self.search_notes.clone();
+        if self.channel.saturation.is_none() {
+            notes.extend(stands_mostly(recording));
+        }
         notes.extend(self.stick_slip.map(|found| found.words(recording)));
         let (shortest, longest) = self.yield_range;
         if let Some(share) = self.soft_share() {

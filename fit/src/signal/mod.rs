@@ -22,7 +22,7 @@ pub use deflection::{Deflection, not_yet_known, unknown_starts};
 pub use delay::{Delay, TAKES, beside_the_motion};
 pub use kinematics::Kinematics;
 pub use resolution::step_at_reversals;
-pub use saturation::{End, Saturation};
+pub use saturation::{End, Saturation, stands_mostly};
 pub use split::{FEWEST, GROUPS, Split, Window, check_windows, parse_window};
 pub use stick_slip::{Levels, StickSlip};
 pub use vibration::Vibration;

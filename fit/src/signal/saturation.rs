@@ -124,11 +124,25 @@ impl Saturation {
     }
 }
 
-fn ends(values: &[f64]) -> (f64, f64) {
-    let wider = |(low, high): (f64, f64), v: &f64| (low.min(*v), high.max(*v));
-    values
+/// Samples that stand at the highest or the lowest number.
+fn standing(effort: &[f64]) -> usize {
+    let wider = |(low, high): (f64, f64), f: &f64| (low.min(*f), high.max(*f));
+    let (low, high) = effort
         .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), wider)
+        .fold((f64::INFINITY, f64::NEG_INFINITY), wider);
+    effort.iter().filter(|f| **f <= low || **f >= high).count()
+}
+
+/// What to ask of an effort that stands at its ends for most of the time, of which the motion does not say whether it is the drive's or the reading's; a
+/// sentence without its full stop.
+pub fn stands_mostly(recording: &Recording) -> Option<String> {
+    let share = standing(&recording.effort) as f64 / recording.len() as f64;
+    (share > MOST_PILED && recording.role.contains_inertia()).then(|| {
+        format!(
+            "the effort stands at its highest or lowest number in {:.0} % of the samples: the fit is right if the drive gives just that, and inertia and friction are too small if the reading ends there; compare it with the range of the reading",
+            100.0 * share
+        )
+    })
 }
 
 /// Samples that are `beyond`, and `reach` to each side of them.
@@ -268,10 +282,7 @@ impl Rigid<'_> {
 
     /// Whether so many samples stand at the highest or the lowest number, but for a few.
     fn stands(&self, piled: usize) -> bool {
-        let effort = &self.recording.effort;
-        let (low, high) = ends(effort);
-        let standing = effort.iter().filter(|f| **f <= low || **f >= high).count();
-        standing as f64 >= STANDS * piled as f64
+        standing(&self.recording.effort) as f64 >= STANDS * piled as f64
     }
 
     /// Samples to fit of which the effort is known.
@@ -445,6 +456,10 @@ mod tests {
         println!("{at} of 20000 at the limit");
         assert!(at > 12_000, "{at}");
         let recording = load_csv(text.as_bytes(), "made.csv", &LoadOptions::default());
-        assert!(found(&recording.expect("valid")).is_none());
+        let recording = recording.expect("valid");
+        assert!(found(&recording).is_none());
+        // Whether it acts is for the user to say, where the motion cannot.
+        let asked = stands_mostly(&recording).expect("more than half");
+        assert!(asked.contains("range of the reading"), "{asked}");
     }
 }
