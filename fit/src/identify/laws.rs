@@ -171,15 +171,21 @@ impl Mixture {
 }
 
 impl Candidate {
-    /// Intervals that reach to what a mixture of laws makes of each parameter, too.
-    fn reach_to(&mut self, mixture: &Mixture) {
+    /// Intervals that reach to what others make of each parameter, too; the names of those that did not.
+    fn reach_to(&mut self, others: &[(&'static str, Estimate)]) -> Vec<&'static str> {
+        let mut wider = Vec::new();
         for (name, own) in &mut self.rigid_body {
-            let other = mixture.parameters.iter().find(|p| p.0 == *name);
+            let other = others.iter().find(|p| p.0 == *name);
             let other = other.and_then(|p| p.1.ci95);
             if let (Some(own), Some(other)) = (&mut own.ci95, other) {
-                *own = [own[0].min(other[0]), own[1].max(other[1])];
+                let both = [own[0].min(other[0]), own[1].max(other[1])];
+                if both != *own {
+                    *own = both;
+                    wider.push(*name);
+                }
             }
         }
+        wider
     }
 }
 
@@ -190,11 +196,39 @@ impl Identification {
             return;
         };
         let candidates = self.candidates.iter_mut();
-        candidates.for_each(|c| c.reach_to(&mixture));
+        candidates.for_each(|c| {
+            c.reach_to(&mixture.parameters);
+        });
         let own = self.best().nmse_test;
         if own > HARDLY_ANY && mixture.nmse_cross < WORTH_TELLING * own {
             self.search_notes.push(mixture.words(recording, own));
         }
+    }
+
+    /// Lets the intervals of a law that the user asked for reach to what the model `before` makes of the parameters, where that leaves much less: the
+    /// folds scatter about a law's own values, and do not show how far it bends them.
+    pub(super) fn reach_to_a_better(&mut self, before: usize, recording: &Recording) {
+        let better = self.candidates[before].clone();
+        let Some(own) = self.candidates.get_mut(self.recommended) else {
+            return;
+        };
+        if better.nmse_test >= WORTH_TELLING * own.nmse_test {
+            return;
+        }
+        let reach = own.reach_to(&better.rigid_body);
+        let names: Vec<String> = reach
+            .iter()
+            .map(|name| name_shown(recording, name))
+            .collect();
+        let [law, other] = [&*own, &better].map(|c| c.model.friction.name());
+        let [here, there] = [own.nmse_test, better.nmse_test].map(left);
+        let reach = match names.as_slice() {
+            [] => String::new(),
+            names => format!(": {} reach to its values", names.join(", ")),
+        };
+        self.search_notes.push(format!(
+            "the intervals are those of {law} alone, which leaves {here} of the variance where {other} leaves {there}: what the law lacks bends its parameters, and true values may lie outside{reach}"
+        ));
     }
 }
 

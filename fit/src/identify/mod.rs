@@ -289,14 +289,16 @@ pub fn identify(
                 .zip(ends(before))
                 .is_some_and(|(o, b)| o[0] > b[1]);
             let left = own.nmse_test / found.left_within(&kinematics).max(1e-300);
-            (left < LEAVES && ends(own).is_some()) || (left < 1.0 && is_more)
+            // Its filter carries an end of the reading into every sample: there it is no longer seen, but spoils the fit.
+            let loses_end = reads_to_an_end(&found.channel) && !reads_to_an_end(&narrower.channel);
+            !loses_end && ((left < LEAVES && ends(own).is_some()) || (left < 1.0 && is_more))
         });
         let Some(better) = better else {
             break;
         };
         found = better;
         found.search_notes.push(format!(
-            "above {:.1} Hz the effort shows less inertia than below, or none: a load swings, or the encoder's error is periodic. The fit uses what is below; `preslide diagnose` finds the cause",
+            "above {:.1} Hz the effort shows less inertia than below, or none: a load swings, or the encoder's error is periodic. The fit and its errors are of what is below, `preslide simulate` shows the whole; `preslide diagnose` finds the cause",
             found.band_hz
         ));
     }
@@ -422,6 +424,11 @@ fn fitted(
     }
     identification.recommendation = identification.recommended_in_words();
     Ok(identification)
+}
+
+fn reads_to_an_end(channel: &Channel) -> bool {
+    let end = channel.saturation.as_ref();
+    end.is_some_and(|end| end.of == End::Reading)
 }
 
 /// What a model has of a channel: the drive's end and the delay, where there are any; a reading's end is the sensor's, and no machine's.

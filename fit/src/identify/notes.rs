@@ -3,12 +3,12 @@
 use super::family::Family;
 use super::family::bench::Bench;
 use super::maxwell_slip::knee;
-use super::{Candidate, Identification, Method};
+use super::{Candidate, Identification, Method, reads_to_an_end};
 use crate::progress::Progress;
 use crate::recording::Recording;
 use crate::report::figures::{left, quantity};
 use crate::report::units::symbol;
-use crate::signal::Kinematics;
+use crate::signal::{Kinematics, stands_mostly};
 use crate::statistics::{Estimate, nmse};
 
 /// Difference between training and test NMSE that wants an explanation.
@@ -120,8 +120,9 @@ impl Identification {
                 family.name()
             )
         })?;
-        self.recommended = self.candidates.len();
+        let before = std::mem::replace(&mut self.recommended, self.candidates.len());
         self.candidates.push(candidate);
+        self.reach_to_a_better(before, recording);
         self.say_taken();
         Ok(())
     }
@@ -227,6 +228,13 @@ impl Identification {
         )
     }
 
+    /// Whether hysteresis is nearly all that this motion shows of friction; of samples beside the end of a reading that is no wonder.
+    pub(super) fn is_mostly_presliding(&self) -> bool {
+        let (baseline, lowest) = self.extremes();
+        let is_cut = reads_to_an_end(&self.channel);
+        !is_cut && baseline > MOSTLY_PRESLIDING && lowest < 0.5 * baseline
+    }
+
     /// What to use and why.
     pub(super) fn recommended_in_words(&self) -> String {
         let (baseline, lowest) = self.extremes();
@@ -312,9 +320,12 @@ impl Identification {
     /// What the user should know, besides the recording's own warnings.
     pub fn notes(&self, recording: &Recording) -> Vec<String> {
         let unit = recording.position_unit();
-        let (baseline, lowest) = self.extremes();
+        let (baseline, _) = self.extremes();
         let best = self.best();
         let mut notes = self.search_notes.clone();
+        if self.channel.saturation.is_none() {
+            notes.extend(stands_mostly(recording));
+        }
         notes.extend(self.stick_slip.map(|found| found.words(recording)));
         let (shortest, longest) = self.yield_range;
         if let Some(share) = self.soft_share() {
@@ -323,7 +334,7 @@ impl Identification {
                 100.0 * share,
                 50.0 * SOFT
             ));
-        } else if baseline > MOSTLY_PRESLIDING && lowest < 0.5 * baseline {
+        } else if self.is_mostly_presliding() {
             notes.push(format!(
                 "Coulomb + viscous friction leaves {baseline:.0} %: most of this motion is pre-sliding, where it says nothing"
             ));

@@ -255,7 +255,10 @@ fn column(term: Term, recording: &Recording, kinematics: &Kinematics) -> Regress
     Regressor {
         name: term.name(),
         values: match term {
-            Term::Mass => kinematics.acceleration.clone(),
+            // Noise in a regressor takes its share off the coefficient, and nothing off the force.
+            Term::Mass => (kinematics.acceleration.iter())
+                .map(|a| kinematics.reliable * a)
+                .collect(),
             Term::Viscous => kinematics.velocity.clone(),
             Term::Offset => vec![1.0; recording.len()],
             Term::Slant => of(&kinematics.velocity, &f64::abs),

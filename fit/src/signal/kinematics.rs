@@ -18,6 +18,8 @@ pub struct Kinematics {
     pub acceleration: Vec<f64>,
     /// `sgn v`, 0 at standstill, not filtered.
     pub direction: Vec<f64>,
+    /// Share of the acceleration, beside what velocity and direction explain of it, that is not the encoder's noise.
+    pub reliable: f64,
 }
 
 impl Kinematics {
@@ -46,11 +48,14 @@ impl Kinematics {
             .iter()
             .map(|v| if v.abs() <= still { 0.0 } else { v.signum() })
             .collect();
-        Self {
+        let mut found = Self {
             filter,
             velocity,
             acceleration,
             direction,
-        }
+            reliable: 1.0,
+        };
+        found.reliable = found.beside_noise(recording);
+        found
     }
 }

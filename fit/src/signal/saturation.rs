@@ -32,8 +32,14 @@ const LIKE_ELSEWHERE: f64 = 3.0;
 const BAND: f64 = 0.03;
 const PILED: usize = 20;
 const TIMES: f64 = 2.0;
-/// Share of the samples of a pile at most.
+/// Share of the samples of a pile at most, as a level of friction is one, too. A pile of more must stand at one and the same number in this share of its
+/// samples, and the fit of the rest must leave no more than this of what the fit of all leaves there: a command that acts at its limit for most
+/// of the time fits with the rest.
 const MOST_PILED: f64 = 0.5;
+const STANDS: f64 = 0.9;
+const LEAVES_OF_MOST: f64 = 0.1;
+/// Samples off the end, for each column that is fitted to them, at least.
+const KNOWN: usize = 20;
 /// Share of the piled samples in which the motion must ask for more than was read.
 const ASKS_FOR_MORE: f64 = 0.75;
 /// Yields of the blocks beside the rigid body, as shares of the travel: there is no fit yet.
@@ -116,6 +122,27 @@ impl Saturation {
             ),
         }
     }
+}
+
+/// Samples that stand at the highest or the lowest number.
+fn standing(effort: &[f64]) -> usize {
+    let wider = |(low, high): (f64, f64), f: &f64| (low.min(*f), high.max(*f));
+    let (low, high) = effort
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), wider);
+    effort.iter().filter(|f| **f <= low || **f >= high).count()
+}
+
+/// What to ask of an effort that stands at its ends for most of the time, of which the motion does not say whether it is the drive's or the reading's; a
+/// sentence without its full stop.
+pub fn stands_mostly(recording: &Recording) -> Option<String> {
+    let share = standing(&recording.effort) as f64 / recording.len() as f64;
+    (share > MOST_PILED && recording.role.contains_inertia()).then(|| {
+        format!(
+            "the effort stands at its highest or lowest number in {:.0} % of the samples: the fit is right if the drive gives just that, and inertia and friction are too small if the reading ends there; compare it with the range of the reading",
+            100.0 * share
+        )
+    })
 }
 
 /// Samples that are `beyond`, and `reach` to each side of them.
@@ -213,27 +240,29 @@ impl Rigid<'_> {
             count(end - 2.0 * band, end - band),
         );
         let share = piled as f64 / size.len() as f64;
-        if piled < PILED || (piled as f64) < TIMES * below as f64 || share > MOST_PILED {
+        if piled < PILED || (piled as f64) < TIMES * below as f64 {
             return None;
         }
         let top: Vec<f64> = size.iter().copied().filter(|f| *f >= end - band).collect();
         let beyond: Vec<bool> = size.iter().map(|f| *f >= end - band).collect();
         let near = self.near(&beyond);
+        let is_most = share > MOST_PILED;
+        if is_most && !(self.stands(piled) && self.known(&near) >= KNOWN * self.columns.len()) {
+            return None;
+        }
         let effort = self.kinematics.filter.smooth(&self.recording.effort);
         let without = self.left(&effort, |_| true)?;
         let with = self.left(&effort, |i| !near[i])?;
         let [before, after] = [&without, &with].map(|left| self.squares(left, |i| !near[i]));
-        let asks = self.rows.iter().filter(|i| beyond[**i]);
-        // What is left of the reading is less than nothing where the motion asks for more.
-        let (more, all) = asks.fold((0.0, 0.0), |(more, all), &i| {
-            let lacks = -with[i] * self.recording.effort[i].signum();
-            (more + f64::from(u8::from(lacks > 0.0)), all + 1.0)
-        });
         // A converter at its end gives one number; noise that is added behind an end, or a force that happens to be the highest, gives many.
         let most = size.iter().copied().fold(0.0, f64::max);
         let is_one_number = size.iter().filter(|f| **f >= most).count() >= PILED;
-        let leaves = if is_one_number { LEAVES_OF_ONE } else { LEAVES };
-        if after > leaves * before || more < ASKS_FOR_MORE * all {
+        let leaves = match (is_most, is_one_number) {
+            (true, _) => LEAVES_OF_MOST,
+            (false, true) => LEAVES_OF_ONE,
+            (false, false) => LEAVES,
+        };
+        if after > leaves * before || self.asks_for_more(&beyond, &with) < ASKS_FOR_MORE {
             return None;
         }
         let middle = quantile_between_ranks(&top, 0.5);
@@ -249,6 +278,26 @@ impl Rigid<'_> {
             .filter(|(near, _)| **near)
             .for_each(|(_, left)| *left = 0.0);
         Some(self.told(End::Reading, limit, beyond, [without, with]))
+    }
+
+    /// Whether so many samples stand at the highest or the lowest number, but for a few.
+    fn stands(&self, piled: usize) -> bool {
+        standing(&self.recording.effort) as f64 >= STANDS * piled as f64
+    }
+
+    /// Samples to fit of which the effort is known.
+    fn known(&self, near: &[bool]) -> usize {
+        self.rows.iter().filter(|i| !near[**i]).count()
+    }
+
+    /// Share of the samples beyond at which the motion asks for more: what is left of the reading there is less than nothing.
+    fn asks_for_more(&self, beyond: &[bool], left: &[f64]) -> f64 {
+        let asks = self.rows.iter().filter(|i| beyond[**i]);
+        let (more, all) = asks.fold((0.0, 0.0), |(more, all), &i| {
+            let lacks = -left[i] * self.recording.effort[i].signum();
+            (more + f64::from(u8::from(lacks > 0.0)), all + 1.0)
+        });
+        more / f64::max(all, 1.0)
     }
 
     /// Samples into which the filter carries those beyond.
@@ -337,6 +386,16 @@ mod tests {
         assert_eq!(left_out, found.beyond.iter().filter(|b| **b).count());
     }
 
+    /// Three quarters of the samples say nothing but that the force is more.
+    #[test]
+    fn reports_a_reading_that_stands_at_its_end_most_of_the_time() {
+        let found = found(&moved(|_, _, f| f.clamp(-0.8, 0.8))).expect("an end");
+        println!("{:?} {} {:?}", found.limit, found.share, found.leaves);
+        assert_eq!(found.of, End::Reading);
+        assert!(found.share > 0.6, "{}", found.share);
+        assert!((found.limit.value - 0.8).abs() < 1e-6, "{:?}", found.limit);
+    }
+
     /// A loop whose reference jumps twice a second asks for twice what the drive gives.
     #[test]
     fn a_command_that_does_not_arrive_is_cut_to_what_does() {
@@ -373,5 +432,34 @@ mod tests {
         assert!(found(&spiked).is_none(), "outliers");
         let slow = moved(|_, a, f| f - 2.0 * a);
         assert!(found(&slow).is_none(), "a level of friction");
+    }
+
+    /// The drive is at its limit two thirds of the time, and the force acts.
+    #[test]
+    fn a_command_that_acts_at_its_limit_is_no_end_of_the_reading() {
+        let (dt, most) = (1e-4, 3.0);
+        let (mut x, mut v, mut stop, mut force, mut at) = (0.0, 0.0, 0.0_f64, 0.0, 0);
+        let mut text = "t_s,x_m,force_N\n".to_owned();
+        for i in 0..200_000 {
+            let t = f64::from(i) * dt;
+            if i % 10 == 0 {
+                let reference =
+                    0.02 * (TAU * 0.9 * t).sin().signum() + 0.01 * (TAU * 2.3 * t).sin().signum();
+                force = f64::clamp(6000.0 * (reference - x) - 120.0 * v, -most, most);
+                at += i32::from(force.abs() >= most);
+                let _ = writeln!(text, "{t:.3},{x:.8e},{force:.6}");
+            }
+            stop = (stop + dt * v).clamp(-2e-5, 2e-5);
+            v += dt / 2.0 * (force - 5.0 * v - 5e4 * stop);
+            x += dt * v;
+        }
+        println!("{at} of 20000 at the limit");
+        assert!(at > 12_000, "{at}");
+        let recording = load_csv(text.as_bytes(), "made.csv", &LoadOptions::default());
+        let recording = recording.expect("valid");
+        assert!(found(&recording).is_none());
+        // Whether it acts is for the user to say, where the motion cannot.
+        let asked = stands_mostly(&recording).expect("more than half");
+        assert!(asked.contains("range of the reading"), "{asked}");
     }
 }

@@ -7,8 +7,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// Share of the acceleration's power that may be noise in the chosen band. Noise in a regressor of power share
-/// `q` biases its coefficient by `−q`, so this bounds the bias of the inertia at 0.1 %.
-const NOISE_SHARE: f64 = 1e-3;
+/// `q` biases its coefficient by `−q`, so this bounds the bias of the inertia at 0.1 % of where
+/// velocity and direction explain none of the acceleration; [`Kinematics::reliable`](super::Kinematics::reliable) takes it off.
+pub(super) const NOISE_SHARE: f64 = 1e-3;
 
 /// Bins over which the noise is averaged, more than a recording has repeats.
 const BINS: usize = 64;

@@ -9,7 +9,9 @@ use crate::identify::{Options, STEPS, identify};
 use crate::progress::Progress;
 use crate::recording::{LoadOptions, Recording, load_csv};
 use crate::signal::Kinematics;
+use preslide_host_tests::made::{Blocks, sines};
 use preslide_host_tests::path::recorded;
+use std::fmt::Write as _;
 
 fn made(law: impl Fn(f64, f64) -> f64, force: impl Fn(f64, f64) -> f64) -> Recording {
     let text = recorded(law, force);
@@ -132,4 +134,43 @@ fn a_wanted_model_is_identified_with_confidence() {
     assert_eq!(json["recommended"]["kind"], "dahl");
     let last = json["friction"].as_array().unwrap().last().unwrap();
     assert!(last["parameters"]["stiffness_N_per_m"]["ci95"].is_array());
+}
+
+/// A law that is not the machine's bends viscous friction by more than the folds scatter.
+#[test]
+fn intervals_of_a_law_that_fits_worse_reach_to_the_better_fit() {
+    let mut blocks = Blocks::new(&[(2e5, 1e-5), (8e4, 3.75e-5), (2e4, 1.5e-4)]);
+    let mut text = "t_s,x_m,force_N\n".to_owned();
+    for i in 0..20_000 {
+        let t = f64::from(i) * 1e-3;
+        let sines = sines(
+            &[[0.04, 1.95, 0.0], [0.01, 10.7, 1.0], [5e-4, 44.0, 2.0]],
+            t,
+        );
+        let [x, v, a] = sines;
+        let force = 5.0 * a + 30.0 * v + blocks.force(x);
+        let _ = writeln!(text, "{t:.3},{x:.9},{force:.6}");
+    }
+    let recording = load_csv(text.as_bytes(), "made.csv", &LoadOptions::default()).unwrap();
+    let progress = Progress::new("test", STEPS + 2);
+    let mut found = identify(&recording, &Options::default(), &progress).unwrap();
+    found
+        .choose_family(&recording, Family::Dahl, &progress)
+        .unwrap();
+    for (name, truth) in [("mass", 5.0), ("viscous", 30.0)] {
+        let own = found
+            .best()
+            .rigid_body
+            .iter()
+            .find(|p| p.0 == name)
+            .unwrap();
+        println!("{name}: {:?}", own.1);
+        let [low, high] = own.1.ci95.unwrap();
+        assert!((low..high).contains(&truth), "{name}: {:?}", own.1);
+    }
+    let said = found.notes(&recording).join("\n");
+    assert!(
+        said.contains("the intervals are those of Dahl alone"),
+        "{said}"
+    );
 }

@@ -5,6 +5,7 @@
 //! controller. It begins with the fit of the force, with several starts around it, simulates the longest windows for which all
 //! starts agree, and takes in only physics that makes windows smaller that it was not fitted to.
 
+mod beside;
 mod body;
 mod descent;
 mod present;
@@ -23,6 +24,7 @@ use crate::recording::Recording;
 use crate::signal::{End, Kinematics};
 use crate::simulate::closed::Controller;
 use crate::statistics::{Estimate, quantile};
+use beside::Beside;
 use body::{Body, Place};
 use search::{COMPARED, ROUNDS, Search, long_pieces};
 use terms::{GROUPS, Sizes};
@@ -90,6 +92,8 @@ pub struct MotionFit {
     pub closed_loop: bool,
     /// Simulated position (m or rad) at every sample, as the fit of the force and this one have it.
     pub simulated: [Vec<f64>; 2],
+    /// The fit of the force with blocks.
+    beside: Beside,
 }
 
 /// Parameters with which the simulated motion meets the recorded one; `force` is the fit of the force of the same recording.
@@ -120,6 +124,10 @@ pub fn fit(
             "{name}: {}, and a simulation of the force needs all of it; simulate the loop (--controller), or map the command as the effort",
             end.words(recording.effort_unit())
         ));
+    }
+    let beside = Beside::of(force);
+    if force.is_mostly_presliding() {
+        return Err(beside.refusal(name));
     }
     let arrived = force.channel.taken_off(recording);
     let recording = arrived.as_ref().unwrap_or(recording);
@@ -166,7 +174,7 @@ pub fn fit(
         steps: 1,
         every: recording.len().div_ceil(COMPARED),
     };
-    let mut found = search.run(body, progress)?;
+    let mut found = search.run(body, beside, progress)?;
     let [limit, delay] =
         [&form::ACTUATOR_SATURATION, &form::CHANNEL_DELAY].map(|form| coulomb.of(form).next());
     found.model.effort_unit = coulomb.effort_unit;

@@ -119,10 +119,8 @@ impl MotionFit {
                 "{verb}, by how much it changes the loss in windows that it was not fitted to: {list}"
             ));
         }
-        notes.push(
-            "Friction is Coulomb's: a motion of this size shows no pre-sliding; without --criterion motion blocks are fitted to the force"
-                .to_owned(),
-        );
+        notes.push(self.beside.words());
+        notes.extend(self.beside.contradictions(&self.parameters, recording));
         notes.extend(recording.per_unit());
         notes
     }

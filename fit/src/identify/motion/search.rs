@@ -1,5 +1,6 @@
 //! The search: windows, starts, and the physics that makes windows smaller that it was not fitted to.
 
+use super::beside::Beside;
 use super::body::Body;
 use super::descent::{self, Valley, descend};
 use super::terms::{GROUPS, RIGID, Sizes, Term};
@@ -120,7 +121,12 @@ impl Settled {
 }
 
 impl Search<'_> {
-    pub(super) fn run(mut self, body: Body, progress: &Progress) -> Result<MotionFit, String> {
+    pub(super) fn run(
+        mut self,
+        body: Body,
+        beside: Beside,
+        progress: &Progress,
+    ) -> Result<MotionFit, String> {
         let name = &self.driven.recording.name;
         if self.pieces.is_empty() {
             return Err(format!(
@@ -167,7 +173,7 @@ impl Search<'_> {
         let held_out = self.across(&settled.point, &folds, settled.rough);
         let held_out = held_out.map(|errors| Apart::of(&errors));
         progress.inc(1);
-        Ok(self.told(&first, settled, tried, held_out))
+        Ok(self.told(&first, settled, tried, held_out, beside))
     }
 
     /// Whether a group can come in.

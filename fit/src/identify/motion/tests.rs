@@ -298,3 +298,31 @@ fn a_loop_reports_its_contents_and_a_plain_axis_none() {
     let told = told.expect_err("no reference");
     assert!(told.contains("x_ref_m") && told.contains("--map"), "{told}");
 }
+
+/// Blocks under a force of this size.
+fn pushed(size: f64) -> Recording {
+    let text = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[inertia]\nmass_kg = 5.0\n[friction]\nkind = \"gms\"\nbreakaway_N = 8.0\nviscous_N_s_per_m = 30.0\nblocks = [{ stiffness_N_per_m = 2e5, weight = 0.25 }, { stiffness_N_per_m = 8e4, weight = 0.375 }, { stiffness_N_per_m = 2e4, weight = 0.375 }]\n";
+    let model = Model::parse(text).expect("valid");
+    let recording = effort_only(model.motion, 12.0, |t| size * push(t));
+    let made = motion_with_inertia(&model, &recording, 1).expect("simulated");
+    recorded(
+        &made.t_s,
+        &made.position,
+        &recording.effort,
+        None,
+        model.motion,
+        1e-9,
+    )
+}
+
+#[test]
+fn a_motion_within_pre_sliding_is_refused_with_the_reason() {
+    let recording = pushed(7.0);
+    let progress = Progress::new("test", 0);
+    let force = identify(&recording, &Options::default(), &progress).expect("a fit");
+    let told = fit(&recording, &force, None, &progress).expect_err("no sliding");
+    assert!(
+        told.contains("pre-sliding") && told.contains("leave it out"),
+        "{told}"
+    );
+}

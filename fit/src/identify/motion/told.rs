@@ -1,5 +1,6 @@
 //! The result of a search: values with intervals, what the motion cannot separate, and how much a change of the machine moves it.
 
+use super::beside::Beside;
 use super::body::Body;
 use super::descent::{self, normal, slopes};
 use super::search::{Point, Search, Settled};
@@ -22,6 +23,7 @@ impl Search<'_> {
         settled: Settled,
         tried: Vec<Tried>,
         held_out: Option<Apart>,
+        beside: Beside,
     ) -> MotionFit {
         let covariance = self.covariance(&settled);
         let agree = settled.agrees();
@@ -89,6 +91,7 @@ impl Search<'_> {
             together,
             closed_loop: matches!(self.driven.drive, Drive::Loop { .. }),
             simulated,
+            beside,
         }
     }
 
