@@ -7,7 +7,7 @@ use super::names::{Names, Source};
 use super::propose::{propose, quoted, without_unit};
 use super::units::{SECOND, Unit};
 use super::words::{is_day, quantity, split, stamp_in_parts};
-use super::{EffortRole, MotionKind, Needs, Warning};
+use super::{EffortRole, MotionKind, Needs, Warning, qualified};
 use std::cmp::Ordering;
 
 /// What to read from a file and what it means.
@@ -212,7 +212,12 @@ fn by_unit(
             && !sources.iter().any(|s| s.known.slot == known.slot)
             && !(known.slot == Slot::Step && has_time)
     };
-    let taken: Vec<_> = taken.iter().filter(|t| alone(t)).copied().collect();
+    let is_claimed = |slot: Slot| {
+        sources.iter().any(|s| s.known.slot == slot) || taken.iter().any(|t| t.1.slot == slot)
+    };
+    let more = qualified::taken(names, open, is_claimed);
+    let mut taken: Vec<_> = taken.iter().filter(|t| alone(t)).copied().collect();
+    taken.extend(more);
     let said: Vec<String> = taken
         .iter()
         .map(|(i, known, unit)| match unit {
@@ -437,6 +442,55 @@ mod tests {
     }
 
     #[test]
+    fn whose_it_is_and_that_it_was_measured_change_no_quantity() {
+        for (header, taken) in [
+            (
+                "t_s,q_rad,qd_rad_s,current_iq_A,voltage_uq_raw,anticogging_on",
+                "current_A=current_iq_A",
+            ),
+            ("t_s,q_rad,Motor current(A)", "current_A=Motor current(A)"),
+            (
+                "t_s,q_rad,MotorCurrent[mA]",
+                "current_A=0.001*MotorCurrent[mA]",
+            ),
+            (
+                "t_s,q_rad,Active Current [A],Position Error [deg]",
+                "current_A=Active Current [A]",
+            ),
+            ("t_s,q_rad,Stromistwert in A", "current_A=Stromistwert in A"),
+            (
+                "t_s,q_rad,Current Feedback (A),Current Command (A)",
+                "current_A=Current Feedback (A)",
+            ),
+            (
+                "t_s,q_rad,iq_measured_A,id_measured_A,iq_ref_A,ia_A",
+                "current_A=iq_measured_A",
+            ),
+            (
+                "t_s,Position actual value [deg],Torque actual value [mNm],Position demand value [deg]",
+                "q_rad=0.017453292519943295*Position actual value [deg], torque_Nm=0.001*Torque actual value [mNm]",
+            ),
+            (
+                "t_s,ActPos [mm],ActVelo [mm/s],Istkraft / N",
+                "force_N=Istkraft / N, x_m=0.001*ActPos [mm]",
+            ),
+            ("t_s,ActVelo [mm/s],force_N", "v_m_s=0.001*ActVelo [mm/s]"),
+        ] {
+            let plan = plan_of(header, &[]).unwrap_or_else(|e| panic!("{header}: {e}"));
+            let said = &plan.warnings[0].message;
+            assert_eq!(
+                said,
+                &format!("by their names and units: {taken}"),
+                "{header}"
+            );
+        }
+        // A plainer name goes first, and what is known is not joined by a guess.
+        let plan = plan_of("t_s,x_m,current_A,current_iq_A", &[]).expect("plain");
+        assert_eq!(plan.unused, [3]);
+        assert_eq!(taken("motor_velocity_mm_s"), None);
+    }
+
+    #[test]
     fn what_its_names_do_not_tell_is_proposed_whole() {
         for (header, maps) in [
             (
@@ -448,8 +502,24 @@ mod tests {
                 "--map q_rad=motor_q_rad --map effort_raw=motor_torque_raw",
             ),
             (
-                "t_s,q_rad,qd_rad_s,current_iq_A,anticogging_on",
-                "--map current_A=current_iq_A",
+                "t_s,q_rad,motor_current_A,drive_current_A",
+                "--map current_A=motor_current_A",
+            ),
+            (
+                "t_s,q_rad,current_cmd_A,qd_rad_s",
+                "--map current_A=current_cmd_A",
+            ),
+            (
+                "t_s,q_rad,motor_current_A,load_cell_N",
+                "--map current_A=motor_current_A",
+            ),
+            (
+                "t_s,q_rad,Motor current/A,i_a_A",
+                "--map 'current_A=Motor current/A'",
+            ),
+            (
+                "t_s,q_rad,drive voltage (V)",
+                "--map 'voltage_V=drive voltage (V)'",
             ),
             ("t_s,x,friction_N", "--map x_m=x"),
             ("t_s,x_furlong,friction_N", "--map 'x_m=FACTOR*x_furlong'"),
