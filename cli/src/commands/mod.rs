@@ -396,7 +396,11 @@ fn of_kind(rotary: bool, given: &[(&str, Option<&Quantity>)]) -> Result<(), Fail
 
 /// Options of a command on a model, whose units are to be of its axis.
 fn of_axis(model: &Model, file: &Path, given: &[(&str, Option<&Quantity>)]) -> Result<(), Failure> {
-    let axis = format!("{} is of a {} axis", file.display(), model.motion.name());
+    let axis = format!(
+        "{} is the model of a {} axis",
+        file.display(),
+        model.motion.name()
+    );
     quantity::check(model.motion == MotionKind::Rotary, &axis, given).map_err(Failure::Input)
 }
 
