@@ -104,7 +104,8 @@ fn a_fleet_has_one_row_per_recording_and_resumes() {
         "{said}"
     );
     assert!(
-        said.contains("raises an alarm on 1 of them: axis1"),
+        said.replace('\n', " ")
+            .contains("raises an alarm on 1 of them: axis1"),
         "{said}"
     );
     assert!(said.contains("axis2/2026-11-03.csv"), "{said}");
