@@ -83,12 +83,10 @@ const WIDTH: usize = 100;
 /// How lines begin that are to be copied as they stand.
 const WHOLE: [&str; 4] = ["Next: ", "Next, on the axis: ", "Try: ", "preslide "];
 
-/// The work of `explain!`: folded, to the terminal's width where there is one; whole for a caller in this process, which folds as it likes.
+/// The work of `explain!`: folded, to the terminal's width where there is one.
 pub(super) fn for_reader(text: String) -> String {
-    if CALLED.with_borrow(Option::is_some) {
-        return text;
-    }
-    let width = match std::io::stdout().is_terminal() {
+    let is_called = CALLED.with_borrow(Option::is_some);
+    let width = match !is_called && std::io::stdout().is_terminal() {
         true => WIDTH.min(textwrap::termwidth()),
         false => WIDTH,
     };

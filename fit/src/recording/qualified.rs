@@ -63,7 +63,7 @@ fn is_other_part(name: &str) -> bool {
     let has = |word: &&str| said.iter().any(|part| part == word);
     said.iter()
         .any(|part| part.starts_with('i') || part == "current")
-        && PARTS_OF_A_CURRENT.iter().any(|part| has(part))
+        && PARTS_OF_A_CURRENT.iter().any(has)
 }
 
 /// Whether it is a voltage, which is further from the load than what it drives: of both the other is the effort.

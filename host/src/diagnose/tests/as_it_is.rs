@@ -133,6 +133,25 @@ fn figures_show_what_the_texts_say() {
     }
 }
 
+/// A fit has one constant force, whatever part of it is friction that differs by direction: both are named, with what is known of them.
+#[test]
+fn a_constant_force_of_the_fit_may_be_friction_by_direction() {
+    for (constant, told) in [(0.5, true), (0.0, false)] {
+        let recording = made(|_, _, v| 8.0 * v + constant);
+        let fit = Some(Arc::new(Fit::of(&recording)));
+        let found = diagnose(&recording, None, fit, &Progress::new("", 0)).expect("a diagnosis");
+        let words = found
+            .in_fit_words(&recording)
+            .expect("viscous friction at least");
+        println!("{words}");
+        assert_eq!(words.contains("In sliding, a constant force"), told);
+        assert_eq!(
+            words.contains("may be either or some of each (all of it as friction: 3.0"),
+            told
+        );
+    }
+}
+
 /// Viscous friction of each direction is two numbers: a model that has it is not split into three.
 #[test]
 fn viscous_friction_by_direction_is_told_once() {
