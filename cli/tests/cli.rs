@@ -353,30 +353,33 @@ fn an_angle_is_no_length_and_a_number_no_clock() {
     );
     refused(
         &["capture", "nowhere", "-o", &out, "--count", "1urad"],
-        &["--count 1urad is"],
+        &["--count 1urad has a unit of"],
     );
     refused(
         &[
             "capture", "nowhere", "-o", &out, "--count", "1um", "--rotary",
         ],
-        &["--count 1um is"],
+        &["--count 1um has a unit of"],
     );
     // Before a line is opened.
     let drive = |more: &[&str], part: &str| {
         let line = [&["drive", "nowhere"], more].concat();
         refused(&line, &[part, "without --rotary the axis is linear"]);
     };
-    drive(&["move", "--by", "90deg"], "--by 90deg is");
+    drive(&["move", "--by", "90deg"], "--by 90deg has a unit of");
     drive(
         &["move", "--to", "90deg", "--speed", "1deg/s"],
-        "--speed 1deg/s is",
+        "--speed 1deg/s has a unit of",
     );
-    drive(&["jog", "5deg/s"], "5deg/s is");
-    drive(&["home", "--back-off", "5deg"], "--back-off 5deg is");
-    drive(&["zero", "5deg"], "5deg is");
+    drive(&["jog", "5deg/s"], "5deg/s has a unit of");
+    drive(
+        &["home", "--back-off", "5deg"],
+        "--back-off 5deg has a unit of",
+    );
+    drive(&["zero", "5deg"], "5deg has a unit of");
     refused(
         &["commission", "nowhere", "--rotary", "--travel", "4mm"],
-        &["--travel 4mm is"],
+        &["--travel 4mm has a unit of"],
     );
 }
 
