@@ -14,7 +14,7 @@ use super::given::Given;
 use super::hysteresis::{self, Shape};
 use super::lack::{Lack, lacks};
 use super::measured::{Begun, measured};
-use super::named::{CERTAIN, EVEN, Name, Named};
+use super::named::{CERTAIN, EVEN, Name, Named, source};
 use super::naming::TermReport;
 use super::null_model::{Hypothesis, Nmse, NullModel};
 use super::place::Place;
@@ -595,23 +595,4 @@ fn hint(found: &Found, effects: &mut Vec<Named>) {
             ambiguous: Vec::new(),
         });
     }
-}
-
-/// What of the mechanics has the period of an effect.
-fn source(effect: &dyn Effect, term: &Term, mechanics: &[(String, f64)]) -> Option<String> {
-    let in_position = effect.line().is_some_and(|line| line != effect::Line::Time);
-    let period = term.shape.first().copied().filter(|_| in_position)?;
-    let orders = mechanics
-        .iter()
-        .flat_map(|(key, length)| [1.0, 2.0, 3.0].map(|order| (key, length / order, order)));
-    let near = orders
-        .into_iter()
-        .find(|(_, length, _)| (period / length - 1.0).abs() < 0.02);
-    Some(near.map_or("unknown".to_owned(), |(key, _, order)| {
-        if order == 1.0 {
-            key.clone()
-        } else {
-            format!("{key}, order {order}")
-        }
-    }))
 }
