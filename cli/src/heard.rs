@@ -5,6 +5,7 @@ use clap::Parser;
 pub use preslide_fit::progress::Listener;
 use preslide_fit::progress::heard;
 use std::cell::RefCell;
+use std::io::IsTerminal as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Standard output belongs to a file requested as `-`; messages go to standard error.
@@ -21,9 +22,9 @@ macro_rules! say {
     ($($line:tt)*) => { $crate::heard::say_line(format_args!($($line)*)) };
 }
 
-/// Prints sentences for the user: in lines of a terminal where it is one, and whole for whoever reads them otherwise.
+/// Prints sentences for the user, in lines that people read.
 macro_rules! explain {
-    ($($line:tt)*) => { say!("{}", $crate::heard::for_reader(format!($($line)*), std::io::stdout())) };
+    ($($line:tt)*) => { say!("{}", $crate::heard::for_reader(format!($($line)*))) };
 }
 
 /// Tells the user something beside the answer, on stderr.
@@ -82,12 +83,14 @@ const WIDTH: usize = 100;
 /// How lines begin that are to be copied as they stand.
 const WHOLE: [&str; 4] = ["Next: ", "Next, on the axis: ", "Try: ", "preslide "];
 
-/// The work of `explain!`.
-pub(super) fn for_reader(text: String, of: impl std::io::IsTerminal) -> String {
-    match CALLED.with_borrow(Option::is_none) && of.is_terminal() {
-        true => folded(&text, WIDTH.min(textwrap::termwidth())),
-        false => text,
-    }
+/// The work of `explain!`: folded, to the terminal's width where there is one.
+pub(super) fn for_reader(text: String) -> String {
+    let is_called = CALLED.with_borrow(Option::is_some);
+    let width = match !is_called && std::io::stdout().is_terminal() {
+        true => WIDTH.min(textwrap::termwidth()),
+        false => WIDTH,
+    };
+    folded(&text, width)
 }
 
 /// Sentences in lines of a width; tables and commands stay as they are.
@@ -168,17 +171,29 @@ pub(super) fn to_stdout(text: &str) -> std::io::Result<()> {
     }
 }
 
-/// Writes a line to stderr. Where that is closed, there is nobody to tell; `eprintln!` would end the program.
+/// Writes a line to stderr.
 fn to_stderr(line: &str) {
+    ask(&format!("{line}\n"));
+}
+
+/// Writes to stderr, and stays on the line. Where that is closed, there is nobody to tell; `eprint!` would end the program.
+pub(super) fn ask(text: &str) {
     use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let mut stderr = std::io::stderr();
+    let _ = stderr
+        .write_all(text.as_bytes())
+        .and_then(|()| stderr.flush());
 }
 
 /// The work of `tell!`.
 pub(super) fn tell_line(line: std::fmt::Arguments) {
     let line = printable(line);
     if !give(&|called| called.told.push(line.clone())) {
-        to_stderr(&for_reader(line, std::io::stderr()));
+        // Whoever filters a log does so by lines.
+        to_stderr(&match std::io::stderr().is_terminal() {
+            true => folded(&line, WIDTH.min(textwrap::termwidth())),
+            false => line,
+        });
     }
 }
 

@@ -1,5 +1,8 @@
 //! The `preslide` command: what the program runs, and what others run in their own process.
 
+// They end the program where their stream is closed: `say!`, `tell!` and `ask` do not.
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
+
 #[macro_use]
 mod heard;
 mod commands;

@@ -305,9 +305,9 @@ fn an_angle_is_no_length_and_a_number_no_clock() {
     refused(
         &plan,
         &[
-            "--travel 4mm is",
-            "--speed 2mm/s is",
-            "--smallest 1um is",
+            "--travel 4mm has a unit of length",
+            "--speed 2mm/s has",
+            "--smallest 1um has",
             "deg",
         ],
     );
@@ -323,20 +323,20 @@ fn an_angle_is_no_length_and_a_number_no_clock() {
             "--acceleration",
             "1m/s2",
         ],
-        &["--travel 90deg is of an angle", "mm"],
+        &["--travel 90deg has a unit of angle", "mm"],
     );
     let tune = ["tune", &model, "--count"];
     refused(
         &[&tune[..], &["2.5urad"]].concat(),
         &[
-            "--count 2.5urad is of an angle",
-            "model.toml is of a linear axis",
+            "--count 2.5urad has a unit of angle",
+            "model.toml is the model of a linear axis",
         ],
     );
     let noise = ["25nm", "--resonance", "150Hz", "--noise", "5urad"];
     refused(
         &[&tune[..], &noise].concat(),
-        &["--noise 5urad is of an angle"],
+        &["--noise 5urad has a unit of angle"],
     );
     refused(
         &[&tune[..], &["25nm", "--clock", "170"]].concat(),
@@ -345,38 +345,41 @@ fn an_angle_is_no_length_and_a_number_no_clock() {
     preslide(&[&tune[..], &["25nm", "--clock", "170MHz"]].concat()).succeeds();
     refused(
         &["tune", &rotary, "--count", "25nm"],
-        &["--count 25nm is of a length"],
+        &["--count 25nm has a unit of length"],
     );
     refused(
         &["export", &model, "--count", "2.5urad"],
-        &["--count 2.5urad is"],
+        &["--count 2.5urad has"],
     );
     refused(
         &["capture", "nowhere", "-o", &out, "--count", "1urad"],
-        &["--count 1urad is"],
+        &["--count 1urad has a unit of"],
     );
     refused(
         &[
             "capture", "nowhere", "-o", &out, "--count", "1um", "--rotary",
         ],
-        &["--count 1um is"],
+        &["--count 1um has a unit of"],
     );
     // Before a line is opened.
     let drive = |more: &[&str], part: &str| {
         let line = [&["drive", "nowhere"], more].concat();
         refused(&line, &[part, "without --rotary the axis is linear"]);
     };
-    drive(&["move", "--by", "90deg"], "--by 90deg is");
+    drive(&["move", "--by", "90deg"], "--by 90deg has a unit of");
     drive(
         &["move", "--to", "90deg", "--speed", "1deg/s"],
-        "--speed 1deg/s is",
+        "--speed 1deg/s has a unit of",
     );
-    drive(&["jog", "5deg/s"], "5deg/s is");
-    drive(&["home", "--back-off", "5deg"], "--back-off 5deg is");
-    drive(&["zero", "5deg"], "5deg is");
+    drive(&["jog", "5deg/s"], "5deg/s has a unit of");
+    drive(
+        &["home", "--back-off", "5deg"],
+        "--back-off 5deg has a unit of",
+    );
+    drive(&["zero", "5deg"], "5deg has a unit of");
     refused(
         &["commission", "nowhere", "--rotary", "--travel", "4mm"],
-        &["--travel 4mm is"],
+        &["--travel 4mm has a unit of"],
     );
 }
 

@@ -235,6 +235,24 @@ fn outputs_are_refused_alike_before_any_work() {
     assert_eq!(std::fs::read_to_string(&model).expect("there"), MODEL);
 }
 
+/// Into a pipe, too, sentences are folded; commands and tables stay whole.
+#[test]
+fn sentences_are_folded_wherever_they_go() {
+    let folder = Folder::new();
+    let rec = folder.file("rec.csv", recording(HEADER));
+    let said = preslide(&["diagnose", &rec]);
+    let said = &said.succeeds().out;
+    let is_whole = |line: &&str| {
+        let words = line.trim_start();
+        words.contains("  ") || words.contains('─') || words.starts_with("Next: ")
+    };
+    // The first line sums up the file, as a row of a table.
+    let long = said.lines().skip(1).filter(|line| !is_whole(line));
+    let long: Vec<&str> = long.filter(|line| line.chars().count() > 100).collect();
+    assert!(long.is_empty(), "{long:#?}");
+    assert!(said.lines().count() > 8, "{said}");
+}
+
 /// `preslide … 2>&1 | head`: a reader that has seen enough loses no file.
 #[test]
 fn a_closed_pipe_ends_nothing() {

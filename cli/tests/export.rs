@@ -2,6 +2,7 @@
 //!
 //! `exported/*.rs` are written by `preslide export`; run with `BLESS=1` to write them anew after a change.
 
+use super::binary::{Folder, MODEL, preslide};
 use preslide::{Friction, Motion, Scalar, Units};
 use preslide_fit::effects::{Effect, form};
 use preslide_fit::friction::Path as MotionPath;
@@ -272,6 +273,29 @@ fn an_exported_model_gives_the_hosts_force() {
 }
 
 /// What a kernel is asked for and cannot do is refused with what to take.
+/// What is said beside the source is of the file that was named, and of a rate that was taken only where time plays a part.
+#[test]
+fn what_is_said_beside_the_source_is_of_it() {
+    let folder = Folder::new();
+    let model = folder.file("model.toml", MODEL);
+    let out = folder.path("stage.c");
+    let rust = ["export", &model, "-o", "-"];
+    let said = preslide(&rust).succeeds().err.clone();
+    assert!(
+        said.contains("Declare a file of the firmware as a module"),
+        "{said}"
+    );
+    let kernel = |name: &str| {
+        let c = [
+            "export", &model, "--lang", "c", "-o", &out, "--kernel", name,
+        ];
+        let count = ["--count", "25nm"];
+        preslide(&[&c[..], &count].concat()).succeeds().err.clone()
+    };
+    assert!(!kernel("slip_reserve_i16f16").contains("kHz"));
+    assert!(kernel("count_gms_i16f16").contains("stage_step is for 20 kHz; --rate gives another"));
+}
+
 #[test]
 fn a_kernel_that_does_not_fit_is_refused_with_what_to_take() {
     let [linear, packed, dahl] = ["linear", "packed", "bouc_wen"]

@@ -98,7 +98,7 @@ fn a_fleet_has_one_row_per_recording_and_resumes() {
         ],
     );
     assert!(made.status.success(), "{}", text(&made.stderr));
-    let said = text(&made.stdout);
+    let said = text(&made.stdout).replace('\n', " ");
     assert!(
         said.contains("21 recordings of 3 axes, 1 without an answer"),
         "{said}"
@@ -154,7 +154,7 @@ fn a_fleet_has_one_row_per_recording_and_resumes() {
         ],
     );
     std::fs::remove_file(&empty).expect("removed");
-    let said = text(&failed.stdout);
+    let said = text(&failed.stdout).replace('\n', " ");
     assert!(
         said.contains("raises an alarm on 1 of them: axis1")
             && said.contains("Newer files of axis1 could not be read"),

@@ -3,6 +3,9 @@
 //! [`Drive`] asks and is answered; [`Play`] streams a motion through the controller's buffer; [`screen`] is the terminal's; [`SpaceBar`] stops
 //! what moves where there is no screen.
 
+// They end the program where their stream is closed.
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
+
 mod error;
 mod keys;
 mod play;

@@ -26,14 +26,14 @@ impl From<f64> for Quantity {
 /// Every option that is not.
 pub fn check(turns: bool, axis: &str, given: &[(&str, Option<&Quantity>)]) -> Result<(), String> {
     let (other, wanted) = match turns {
-        true => ("a length", "an angle: deg, mrad, rad"),
-        false => ("an angle", "a length: nm, um, mm, m"),
+        true => ("length", "deg, mrad or rad"),
+        false => ("angle", "nm, um, mm or m"),
     };
     let is_other = |q: &&Quantity| q.turns == Some(!turns);
     let wrong = given.iter().filter_map(|(option, q)| {
         let typed = &q.filter(is_other)?.typed;
         Some(format!(
-            "{option} {typed} is of {other}, and {axis}; give it as of {wanted}"
+            "{option} {typed} has a unit of {other}, but {axis}: give it in {wanted}"
         ))
     });
     let wrong: Vec<String> = wrong.collect();
@@ -221,8 +221,8 @@ mod tests {
             ("--back-off", bare),
         ];
         let refused = |turns| check(turns, "AXIS", &given).expect_err("of the other kind");
-        assert!(refused(true).starts_with("--travel 4mm is of a length, and AXIS; give"));
-        assert!(refused(false).starts_with("--speed 90deg/s is of an angle, and AXIS; give"));
+        assert!(refused(true).starts_with("--travel 4mm has a unit of length, but AXIS: give"));
+        assert!(refused(false).starts_with("--speed 90deg/s has a unit of angle, but AXIS: give"));
         assert_eq!(refused(true).lines().count(), 1);
         let all = [("--travel", travel), ("--smallest", travel)];
         let all = check(true, "", &all).expect_err("both");

@@ -162,11 +162,39 @@ fn a_build_without_a_reader_names_the_feature() {
 #[test]
 fn formats_that_no_crate_reads_well_are_refused_by_name() {
     let folder = tempfile::tempdir().expect("folder");
+    let zip = |name: &str| {
+        let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+        let options = zip::write::SimpleFileOptions::default();
+        zip.start_file(name, options).expect("memory");
+        zip.finish().expect("memory").into_inner()
+    };
+    // Of a compressed file, and numbers as they are in memory.
+    let noise: Vec<u8> = (1..4000_u32)
+        .map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8 | 1)
+        .collect();
+    let numbers: Vec<u8> = (0..500)
+        .flat_map(|i| (f64::from(i) * 0.01).to_le_bytes())
+        .collect();
+    let v4: Vec<u8> = [0_u32, 1000, 1, 0, 4]
+        .iter()
+        .flat_map(|w| w.to_le_bytes())
+        .collect();
     for (start, parts) in [
-        (&b"TDSm\x0e\0\0\0\x69\x12\0\0"[..], ["TDMS", "npTDMS"]),
-        (b"MDF     4.10    ", ["MDF", "asammdf"]),
-        (b"#ROSBAG V2.0\n", ["ROS 1", "rosbags-convert"]),
-        (b"\x93NUMPY\x01\0", ["NumPy", "savez"]),
+        (b"TDSm\x0e\0\0\0\x69\x12\0\0".to_vec(), ["TDMS", "npTDMS"]),
+        (b"MDF     4.10    ".to_vec(), ["MDF", "asammdf"]),
+        (b"#ROSBAG V2.0\n".to_vec(), ["ROS 1", "rosbags-convert"]),
+        (b"\x93NUMPY\x01\0".to_vec(), ["NumPy", "savez"]),
+        (
+            b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1\0\0".to_vec(),
+            ["Excel 97", "as CSV"],
+        ),
+        (b"\x1f\x8b\x08\0".to_vec(), ["gzip", "gunzip"]),
+        (b"\xff\xfe\0\0t\0\0\0".to_vec(), ["UTF-32", "UTF-8"]),
+        (zip("xl/workbook.xml"), ["Excel workbook", "as CSV"]),
+        (zip("content.xml"), ["OpenDocument", "as CSV"]),
+        (zip("run 1/axis.csv"), ["zip archive", "`run 1/axis.csv`"]),
+        (noise, ["binary file", "CSV in UTF-8"]),
+        (numbers, ["binary file", "CSV in UTF-8"]),
     ] {
         let file = folder.path().join("file");
         std::fs::write(&file, start).expect("written");
@@ -174,4 +202,10 @@ fn formats_that_no_crate_reads_well_are_refused_by_name() {
         let told = told.to_string();
         assert!(parts.iter().all(|p| told.contains(p)), "{told}");
     }
+    let file = folder.path().join("old.mat");
+    std::fs::write(&file, v4).expect("written");
+    refuses(
+        load(&file, &LoadOptions::default()),
+        &["MATLAB v4", "'-v7'"],
+    );
 }

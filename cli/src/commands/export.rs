@@ -167,8 +167,11 @@ impl Export {
             write_text(source, &c.source)?;
             write_text(&header, &c.header)?;
             self.write_json(options.remarks, kernel, &[])?;
-            if self.rate.is_none() && options.rate.is_some() && c.header.contains("_RATE_HZ") {
-                tell!("{name}_step is for 20 kHz; --rate gives another.");
+            if let Some(rate) = c.rate.filter(|_| self.rate.is_none()) {
+                tell!(
+                    "{name}_step is for {} kHz; --rate gives another.",
+                    1e-3 * rate
+                );
             }
             tell!(
                 "Compile {} with the firmware; {name}_rest once, then {name}_step each tick, as its header says.",
@@ -181,6 +184,7 @@ impl Export {
         let place = self
             .output
             .as_deref()
+            .filter(|path| !outputs::is_stdout(path))
             .map_or("a file of the firmware".into(), |p| p.display().to_string());
         tell!(
             "Declare {place} as a module and call model(sample_time, units): its type, Model, computes in {} and goes to the controller. PRESLIDE_MODEL=/full/path compiles it into this project's firmware.",

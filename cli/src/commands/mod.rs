@@ -174,7 +174,8 @@ impl RecordingArgs {
 /// How to read recordings.
 #[derive(Args, Clone, Debug)]
 pub struct ReadingArgs {
-    /// Read a column, or a sum of products of numbers and columns, under the tool's name: force_N=35.15*vir, 'force_N=100*pA-80*pB'
+    /// Read a column, or a sum of products of numbers and columns, under the tool's name: force_N=35.15*vir, 'force_N=100*pA-80*pB'.
+    /// The factor of a pressure is per unit of the file (bar), that of another quantity per SI unit (A, even if the column is in mA)
     #[arg(long, value_name = "NAME=COLUMN", value_parser = recording::parse_map)]
     map: Vec<(String, String)>,
 
@@ -395,7 +396,11 @@ fn of_kind(rotary: bool, given: &[(&str, Option<&Quantity>)]) -> Result<(), Fail
 
 /// Options of a command on a model, whose units are to be of its axis.
 fn of_axis(model: &Model, file: &Path, given: &[(&str, Option<&Quantity>)]) -> Result<(), Failure> {
-    let axis = format!("{} is of a {} axis", file.display(), model.motion.name());
+    let axis = format!(
+        "{} is the model of a {} axis",
+        file.display(),
+        model.motion.name()
+    );
     quantity::check(model.motion == MotionKind::Rotary, &axis, given).map_err(Failure::Input)
 }
 

@@ -46,6 +46,37 @@ pub(super) fn lines(input: impl Read) -> Lines<impl BufRead> {
     }
 }
 
+/// The mark of UTF-16 that a text begins with or lacks: every other of its first bytes is zero.
+pub(super) fn missing_mark(start: &[u8]) -> &'static [u8] {
+    let pairs = start.as_chunks::<2>().0;
+    let all = |is: fn(&[u8; 2]) -> bool| pairs.len() > 1 && pairs.iter().all(is);
+    match () {
+        () if all(|[low, high]| *low != 0 && *high == 0) => b"\xff\xfe",
+        () if all(|[high, low]| *high == 0 && *low != 0) => b"\xfe\xff",
+        () => b"",
+    }
+}
+
+/// Share of the characters that are control characters from which on it is no text: of random bytes they are a tenth, and a serial line's first row
+/// may have some.
+const CONTROLS: f64 = 0.03;
+/// Fewer of them are a fault at a place, which has a message of its own.
+const FEW_CONTROLS: usize = 8;
+
+/// That the head holds characters that are written.
+pub(super) fn is_text(head: &[Line]) -> Result<(), Problem> {
+    let characters = || head.iter().flat_map(|l| l.text.chars());
+    let is_control = |c: &char| c.is_ascii_control() && !matches!(c, '\t' | '\x0c' | '\x1a');
+    let controls = characters().filter(is_control).count();
+    let share = controls as f64 / characters().count().max(1) as f64;
+    match controls > FEW_CONTROLS && share > CONTROLS {
+        true => Err(Problem::Other(
+            "is a binary file of an unknown kind; export its columns as CSV in UTF-8".into(),
+        )),
+        false => Ok(()),
+    }
+}
+
 impl<R: BufRead> Lines<R> {
     /// The lines that decide the layout.
     pub(super) fn head(&mut self) -> Result<Vec<Line>, Problem> {

@@ -40,6 +40,7 @@ mod names;
 mod places;
 mod plausible;
 mod propose;
+mod qualified;
 mod rate;
 mod read;
 mod repair;

@@ -238,16 +238,30 @@ impl Names<'_> {
     /// Where the quantity is that of the target, the factor is the user's own conversion; so it is of a pressure, whose proposed `--map` has it.
     fn in_si(&self, known: &Known, column: usize) -> Option<(f64, Warning)> {
         let (wanted, unit) = (known.dimension?, self.unit(column)?);
-        let is_own = [wanted, Dimension::Pressure].contains(&unit.dimension);
-        let is_scaled = !is_own && unit.factor != 1.0 && unit.offset == 0.0;
+        if unit.dimension == wanted || unit.factor == 1.0 || unit.offset != 0.0 {
+            return None;
+        }
         let (target, name, scale) = (known.name, &self.columns[column], unit.factor);
-        let said = || {
-            warning!(
+        let of_row = self.units.get(column).map(String::as_str);
+        let spelt = of_row.filter(|u| units::is_unit(u)).or(split(name).1);
+        let (code, scale, said) = match unit.dimension {
+            Dimension::Pressure => (
+                "unit-kept",
+                1.0,
+                format!(
+                    "`{name}` is taken in {0}, not in Pa, so its factor in `{target}` is per {0}: for an area in m² it is {scale:e}*AREA_M2",
+                    spelt.unwrap_or("its own unit")
+                ),
+            ),
+            _ => (
                 "unit-applied",
-                "`{name}` is converted to SI first ({scale} × its numbers), so its factor in `{target}` is per SI unit; divide a factor that is per unit of the file by {scale}"
-            )
+                scale,
+                format!(
+                    "`{name}` is converted to SI first ({scale} × its numbers), so its factor in `{target}` is per SI unit; divide a factor that is per unit of the file by {scale}"
+                ),
+            ),
         };
-        is_scaled.then(|| (scale, said()))
+        Some((scale, Warning::new(code, said)))
     }
 
     /// What `--map` asks for.

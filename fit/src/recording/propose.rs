@@ -5,24 +5,45 @@ use super::names::{Names, Source};
 use super::places::SAMPLE_TIME;
 use super::units::{self, Dimension};
 use super::words::{holds_word, quantity, split};
-use super::{EffortRole, MotionKind, Needs};
+use super::{EffortRole, MotionKind, Needs, qualified};
+
+/// Parts of names of what is asked for …
+const COMMANDED: [&str; 8] = [
+    "ref", "cmd", "command", "target", "set", "soll", "demand", "desired",
+];
+/// … of what is neither asked for nor measured of the quantity itself …
+const NOT_MEASURED: [&str; 8] = [
+    "std",
+    "error",
+    "enable",
+    "limit",
+    "deviation",
+    "following",
+    "schlepp",
+    "abweichung",
+];
+/// … and of what feeds a drive.
+const SUPPLIES: [&str; 2] = ["bus", "supply"];
 
 /// How well a column would do for a role, by what its name says: most where it is the quantity, less where it holds its word or has a unit of it.
-fn likely(names: &Names, column: usize, slot: Slot) -> u32 {
+pub(super) fn likely(names: &Names, column: usize, slot: Slot) -> u32 {
     let name = &names.columns[column];
     let said = quantity(name);
     if said.slot == Some(slot) {
         return if said.is_count { 1 } else { 8 };
     }
+    if qualified::slot(name) == Some(slot) {
+        return 7;
+    }
     let lower = name.to_lowercase();
     let has = |words: &[&str]| words.iter().any(|word| lower.contains(word));
-    if slot != Slot::Reference && has(&["std", "error", "enable", "limit"]) {
+    if slot != Slot::Reference && has(&NOT_MEASURED) || slot == Slot::Effort && has(&SUPPLIES) {
         return 0;
     }
     let word = if holds_word(name, slot) { 4 } else { 0 };
     let unit = if is_of(names, column, slot) { 2 } else { 0 };
     // Of two positions or efforts the measured one; where an axis follows its reference closely the command is the effort.
-    match slot != Slot::Reference && has(&["ref", "cmd", "target", "set"]) {
+    match slot != Slot::Reference && has(&COMMANDED) {
         true if slot == Slot::Effort => (word + unit).min(1),
         true => 0,
         false => word + unit,
@@ -53,7 +74,7 @@ fn is_of(names: &Names, column: usize, slot: Slot) -> bool {
 }
 
 /// The roles that a file must give.
-fn wanted(needs: Needs) -> &'static [Slot] {
+pub(super) fn wanted(needs: Needs) -> &'static [Slot] {
     match needs {
         Needs::Both => &[Slot::Time, Slot::Position, Slot::Effort],
         Needs::Motion => &[Slot::Time, Slot::Position],

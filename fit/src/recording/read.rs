@@ -55,7 +55,11 @@ pub(super) fn text(mut input: impl Read, options: &LoadOptions) -> Result<Table,
         .by_ref()
         .take(formats::MAGIC_BYTES)
         .read_to_end(&mut start)?;
-    let input = start.as_slice().chain(input);
+    if formats::of(&start).is_some() {
+        return Err(formats::refusal(&start));
+    }
+    let mark = layout::missing_mark(&start);
+    let input = mark.chain(start.as_slice()).chain(input);
     if json::is_json(&start) {
         // Its values take several times the room of the text.
         return match json::read(&bytes(input, options.max_bytes / 8)?)? {
@@ -67,6 +71,7 @@ pub(super) fn text(mut input: impl Read, options: &LoadOptions) -> Result<Table,
     }
     let mut rest = layout::lines(input);
     let head = rest.head()?;
+    layout::is_text(&head)?;
     if twincat::is_export(&head) {
         return twincat::read(head, rest, options);
     }

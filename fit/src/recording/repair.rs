@@ -42,6 +42,7 @@ pub(super) fn repair(
         }
     }
     if let Some(position) = frame.column(Slot::Position) {
+        thrown_ends(position, &pieces, kind, table, warnings);
         let cuts = unwrap(position, &pieces, kind, table, warnings);
         frame.cut(&cuts);
     }
@@ -175,6 +176,83 @@ fn spikes(
     ));
 }
 
+/// Samples at each end of a piece beyond which nothing shows whether a jump returns …
+const END: usize = 2;
+/// … and how many usual steps it is off a counter's whole span at most, where it is a wrap.
+const OFF_SPAN: f64 = 3.0;
+
+/// Replaces the position at the ends of pieces where it is thrown out of the range of the rest, by no counter's span: a wrap is one whole span, and
+/// what follows it goes on from there.
+fn thrown_ends(
+    x: &mut [f64],
+    pieces: &[Range<usize>],
+    kind: MotionKind,
+    table: &Table,
+    warnings: &mut Vec<Warning>,
+) {
+    let mut found: Vec<(usize, f64)> = Vec::new();
+    for piece in pieces.iter().filter(|p| p.len() >= 4 * END) {
+        let inner = piece.start + END..piece.end - END;
+        let rest = &x[inner.clone()];
+        let ((low, high), Some(steps)) = (bounds(rest), Steps::of(rest)) else {
+            continue;
+        };
+        let far = SPIKE_RANGES * (high - low);
+        let outer = (piece.start..inner.start).map(|i| (i, inner.start));
+        let outer = outer.chain((inner.end..piece.end).map(|i| (i, inner.end - 1)));
+        found.extend(outer.filter_map(|(i, near)| {
+            let is_out = far > 0.0 && !(low - far..=high + far).contains(&x[i]);
+            let jump = (x[i] - x[near]).abs();
+            (is_out && !steps.is_span(jump, kind)).then_some((i, x[near]))
+        }));
+    }
+    let Some(&(first, near)) = found.first() else {
+        return;
+    };
+    warnings.push(warning!(
+        "spike",
+        "{} samples of the position at the ends of a motion stand alone far out, first at {} ({:.4e} beside {near:.4e}): replaced by the nearest of the rest",
+        found.len(),
+        table.place.of(first),
+        x[first]
+    ));
+    for (i, near) in found {
+        x[i] = near;
+    }
+}
+
+/// How a position moves from sample to sample.
+struct Steps {
+    /// All but 5 % are shorter.
+    usual: f64,
+    /// The shortest that is one.
+    quantum: f64,
+}
+
+impl Steps {
+    fn of(x: &[f64]) -> Option<Self> {
+        let mut steps: Vec<f64> = x.windows(2).map(|p| (p[1] - p[0]).abs()).collect();
+        let moving = steps.iter().copied().filter(|s| *s > 0.0);
+        let quantum = moving.fold(f64::INFINITY, f64::min);
+        let usual = quantile(&mut steps, 0.95)?;
+        Some(Self { usual, quantum })
+    }
+
+    /// The span of a counter or an angle that is nearest to a jump.
+    fn nearest_span(&self, jump: f64, kind: MotionKind) -> Option<f64> {
+        let counter = (8..=32).map(|k| 2f64.powi(k) * self.quantum);
+        let turn = (kind == MotionKind::Rotary).then_some(TAU);
+        let spans = turn.into_iter().chain(counter);
+        spans.min_by(|a, b| (a - jump).abs().total_cmp(&(b - jump).abs()))
+    }
+
+    /// Whether a jump is one whole span, but for what the motion makes.
+    fn is_span(&self, jump: f64, kind: MotionKind) -> bool {
+        let span = self.nearest_span(jump, kind);
+        span.is_some_and(|span| (span - jump).abs() <= OFF_SPAN * self.usual.max(self.quantum))
+    }
+}
+
 /// Whether a step stands out from those around it.
 fn is_alone(steps: &[f64], at: usize) -> bool {
     let around = at.saturating_sub(AROUND)..(at + AROUND + 1).min(steps.len());
@@ -193,12 +271,10 @@ fn unwrap(
     let starts: Vec<usize> = pieces.iter().map(|p| p.start).collect();
     let steps: Vec<f64> = x.windows(2).map(|p| (p[1] - p[0]).abs()).collect();
     let (low, high) = bounds(x);
-    let Some(usual) = quantile(&mut steps.clone(), 0.95) else {
+    let Some(usual) = Steps::of(x) else {
         return Vec::new();
     };
-    let moving = steps.iter().copied().filter(|s| *s > 0.0);
-    let quantum = moving.fold(f64::INFINITY, f64::min);
-    let long = JUMP_USUAL * usual.max(quantum);
+    let long = JUMP_USUAL * usual.usual.max(usual.quantum);
     let is_jump = |at: usize| {
         let size = steps.get(at).copied().unwrap_or(0.0);
         size > long && (size > 0.1 * (high - low) || is_alone(&steps, at))
@@ -221,13 +297,12 @@ fn unwrap(
     let mut sizes: Vec<f64> = jumps.iter().map(size).collect();
     let median = quantile(&mut sizes, 0.5).unwrap_or(0.0);
     let same = sizes.iter().all(|s| (s / median - 1.0).abs() < SAME_WRAP);
-    let counter = (8..=32).map(|k| 2f64.powi(k) * quantum);
-    let candidates = [TAU]
-        .into_iter()
-        .filter(|_| kind == MotionKind::Rotary)
-        .chain(counter);
-    let known = candidates.min_by(|a, b| (a - median).abs().total_cmp(&(b - median).abs()));
+    let known = usual.nearest_span(median, kind);
     let known = known.filter(|w| (w / median - 1.0).abs() < SAME_WRAP);
+    // At an end what goes on does not tell, the size alone does.
+    let is_end = |p: &Range<usize>| first <= p.start + END || first + END >= p.end;
+    let at_an_end = pieces.iter().any(|p| p.contains(&first) && is_end(p));
+    let known = known.filter(|_| jumps.len() > 1 || !at_an_end || usual.is_span(median, kind));
     let wrap = known.or((jumps.len() > 1).then_some(median));
     let Some(wrap) = wrap.filter(|w| same && *w > 0.8 * (high - low)) else {
         warnings.push(warning!(

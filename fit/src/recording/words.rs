@@ -73,20 +73,31 @@ pub(super) fn quantity(name: &str) -> Quantity {
     }
 }
 
-/// Whether a word of the quantity is part of the name, as in `Axis1.ActPos_turns`; a letter is one only in a name without a longer word.
-pub(super) fn holds_word(name: &str, slot: Slot) -> bool {
-    let mut parts = vec![String::new()];
+/// The quantity of a word in small letters.
+pub(super) fn word(word: &str) -> Option<Slot> {
+    WORDS.iter().find(|w| w.0 == word).map(|w| w.1)
+}
+
+/// The words and numbers of a name, in small letters: `ActPos_2` has `act`, `pos` and `2`.
+pub(super) fn parts(name: &str) -> Vec<String> {
+    let mut parts: Vec<String> = Vec::new();
     let mut last = ' ';
-    for c in split(name).0.chars() {
-        let begins = !c.is_alphabetic() || c.is_uppercase() && last.is_lowercase();
-        if begins {
-            parts.push(String::new());
-        }
-        if let (true, Some(part)) = (c.is_alphabetic(), parts.last_mut()) {
-            part.extend(c.to_lowercase());
+    for c in name.chars().filter(|c| !matches!(c, '\'' | '’')) {
+        let camel = c.is_uppercase() && last.is_lowercase();
+        let goes_on = last.is_alphabetic() == c.is_alphabetic() && last.is_alphanumeric();
+        match parts.last_mut().filter(|_| goes_on && !camel) {
+            Some(part) if c.is_alphanumeric() => part.extend(c.to_lowercase()),
+            _ if c.is_alphanumeric() => parts.push(c.to_lowercase().collect()),
+            _ => {}
         }
         last = c;
     }
+    parts
+}
+
+/// Whether a word of the quantity is part of the name, as in `Axis1.ActPos_turns`; a letter is one only in a name without a longer word.
+pub(super) fn holds_word(name: &str, slot: Slot) -> bool {
+    let parts = parts(split(name).0);
     let words = || WORDS.iter().chain(&COUNTERS);
     let found: Vec<_> = words().filter(|w| parts.iter().any(|p| p == w.0)).collect();
     let long = found.iter().any(|w| w.0.len() > 1);
@@ -135,6 +146,16 @@ pub(super) fn split(name: &str) -> (&str, Option<&str>) {
         let inside = name.trim_end().strip_suffix(close);
         if let Some((stem, unit)) = inside.and_then(|i| i.rsplit_once(open)) {
             return (stem, Some(unit));
+        }
+    }
+    // `Weg in mm`, `Geschwindigkeit / mm/s`; what divides a number is no name.
+    for between in [" in ", "/"] {
+        for (i, _) in name.match_indices(between) {
+            let (stem, unit) = (&name[..i], name[i + between.len()..].trim());
+            let is_name = stem.trim_end().ends_with(char::is_alphabetic);
+            if is_name && !units::is_unit(name) && units::unit(unit).is_some() {
+                return (stem, Some(unit));
+            }
         }
     }
     // The longest unit at the end: `v_mm_s` is in mm/s, not in s.

@@ -1,12 +1,14 @@
 //! The budget in figures and words: root mean squares of what is taken off, never more than is left.
 
+use super::advice::ONE_FORCE;
 use super::named::{CERTAIN, Name, Named};
 use super::verdict::Diagnosis;
 use super::words::place_words;
+use preslide_fit::effects::form;
 use preslide_fit::model::key_of;
 use preslide_fit::recording::Recording;
 use preslide_fit::report::Table;
-use preslide_fit::report::figures::{estimate, left, probability, quantity};
+use preslide_fit::report::figures::{estimate, left, percent, probability, quantity};
 use preslide_fit::report::units::name_and_unit;
 use preslide_fit::statistics::Estimate;
 use serde_json::{Value, json};
@@ -261,6 +263,28 @@ impl Diagnosis {
             .in_fit()
             .map(|e| format!("{} ({})", e.name(), e.size(recording)))
             .collect();
-        (!each.is_empty()).then(|| format!("In the fit: {}", each.join("; ")))
+        let one_force = self.one_force_words(recording);
+        (!each.is_empty()).then(|| format!("In the fit: {}{one_force}", each.join("; ")))
+    }
+
+    /// That a constant force in the fit may as well be friction that differs by direction, and how much of it, in a sentence without its full stop;
+    /// nothing where the recording tells them apart.
+    fn one_force_words(&self, recording: &Recording) -> String {
+        let is_either = |e: &&Named| {
+            let mut rivals = e.ambiguous.iter();
+            e.id() == form::CONSTANT_FORCE.id
+                && rivals.any(|rival| rival.id() == form::COULOMB_ASYMMETRY.id)
+        };
+        let force = self.in_fit().find(is_either);
+        let Some((_, force)) = force.and_then(|e| e.parameters.first()) else {
+            return String::new();
+        };
+        let level = self.null.baseline.level;
+        format!(
+            ". {ONE_FORCE}: the {} may be either or some of each (all of it as friction: {} ± {} by direction)",
+            quantity(force.value.abs(), recording.effort_unit()),
+            quantity(level, recording.effort_unit()),
+            percent((force.value / level.max(1e-300)).abs()),
+        )
     }
 }

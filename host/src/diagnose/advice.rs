@@ -10,6 +10,10 @@ use preslide_fit::recording::Recording;
 use preslide_fit::report::figures::{capital, left, probability};
 use preslide_fit::report::units::name_and_unit;
 
+/// Of a constant force, and of the difference that a direction makes to Coulomb friction.
+pub(super) const ONE_FORCE: &str =
+    "In sliding, a constant force and Coulomb friction that differs by direction are one force";
+
 impl Unknown {
     /// What it asks for: the experiment of what it is most like, or eyes.
     fn advice(&self, found: &Diagnosis) -> String {
@@ -135,10 +139,8 @@ impl Diagnosis {
         let each: Vec<String> = wrong.iter().map(change).collect();
         let is_constant = |p: &Refitted| p.key.starts_with(form::CONSTANT_FORCE.id);
         let either = match self.wrong().any(is_constant) {
-            true => {
-                " A constant force and Coulomb friction that differs by direction are one force to every recording."
-            }
-            false => "",
+            true => format!(" {ONE_FORCE}."),
+            false => String::new(),
         };
         format!(
             "correct {} (`-o FILE` writes the model with its parameters refitted).{either}",

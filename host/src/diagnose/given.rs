@@ -41,6 +41,8 @@ pub struct Given {
     pub stands: f64,
     /// The same with its parameters refitted.
     pub refitted: Nmse,
+    /// Measured less modelled effort at the rows (N or N·m), as it stands and refitted.
+    pub(super) mismatch: [Vec<f64>; 2],
     /// Its parameters.
     pub parameters: Vec<Refitted>,
     /// The model with its parameters refitted.
@@ -129,7 +131,8 @@ impl Given {
         let at_rows = |model: &Model| Some(rows.weak.rows(&effort_of(model, recording).ok()?));
         let as_recorded = rows.weak.rows(&Column::of(recording.effort.clone()));
         let leaves = |model: &Model| Some(rows.nmse(&left(&as_recorded, &at_rows(model)?)));
-        let stands = leaves(model)?;
+        let as_it_stands = left(&as_recorded, &at_rows(model)?);
+        let stands = rows.nmse(&as_it_stands);
         let late = allowed.map(|found| Late::of(model, found, |late| Some(leaves(late)? - stands)));
         let prompt = late.as_ref().map(|_| without_delay(model));
         let model = prompt.as_ref().unwrap_or(model);
@@ -153,8 +156,9 @@ impl Given {
         let own = fit.parameters(null, model)?;
         let mut model = model.clone();
         own.iter().for_each(|p| p.enter(&mut model));
-        let [train, test] =
-            [false, true].map(|held_out| rows.nmse(&fit.residual(held_out, &target)));
+        let refitted = fit.residual(false, &target);
+        let train = rows.nmse(&refitted);
+        let test = rows.nmse(&fit.residual(true, &target));
         let mut parameters = by_direction
             .filter(|split| is_one_way(split))
             .unwrap_or(own);
@@ -172,6 +176,7 @@ impl Given {
         Some(Self {
             stands,
             refitted: Nmse { train, test },
+            mismatch: [as_it_stands, refitted],
             parameters,
             model,
         })

@@ -31,6 +31,8 @@ pub(super) const OF_THE_FRICTION: f64 = 0.0125;
 pub(super) struct Begun {
     pub(super) first: Hypothesis,
     pub(super) left: Nmse,
+    /// The same at the rows, measured less modelled.
+    pub(super) mismatch: Vec<f64>,
 }
 
 /// The given terms, what widens the core, what of the fit holds, and the effects that are missing. What of the fit is too doubtful to report

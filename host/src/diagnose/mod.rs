@@ -194,6 +194,7 @@ impl Diagnosis {
         self.unnamed.clear();
         self.budget.clear();
         self.extended = self.baseline;
+        self.mismatch[1] = self.mismatch[0].clone();
     }
 
     /// The recording does not say, for this reason.

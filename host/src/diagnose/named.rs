@@ -1,7 +1,7 @@
 //! An effect as it is stated.
 
 use super::confidence;
-use super::effect::Effect;
+use super::effect::{Effect, Line};
 use super::naming::TermReport;
 use super::place::Place;
 use super::simulation::Correction;
@@ -97,4 +97,27 @@ impl Named {
             _ => Some(confidence::features_of_a_hint(Some(&self.evidence))),
         }
     }
+}
+
+/// What of the mechanics has the period of an effect.
+pub(super) fn source(
+    effect: &dyn Effect,
+    term: &Term,
+    mechanics: &[(String, f64)],
+) -> Option<String> {
+    let in_position = effect.line().is_some_and(|line| line != Line::Time);
+    let period = term.shape.first().copied().filter(|_| in_position)?;
+    let orders = mechanics
+        .iter()
+        .flat_map(|(key, length)| [1.0, 2.0, 3.0].map(|order| (key, length / order, order)));
+    let near = orders
+        .into_iter()
+        .find(|(_, length, _)| (period / length - 1.0).abs() < 0.02);
+    Some(near.map_or("unknown".to_owned(), |(key, _, order)| {
+        if order == 1.0 {
+            key.clone()
+        } else {
+            format!("{key}, order {order}")
+        }
+    }))
 }

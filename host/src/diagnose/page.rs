@@ -72,7 +72,7 @@ impl Diagnosis {
             title: format!("Diagnosis of {}", recording.name),
             lead: format!(
                 "{}. {}",
-                capital(&self.verdict_clause(recording)),
+                capital(&self.verdict_clause(recording, false)),
                 self.recommendation(recording)
             ),
             command,
@@ -235,7 +235,7 @@ impl Diagnosis {
         let (x_unit, f_unit) = (axis.unit(recording.position_unit()), unit_of(recording));
         let values = rows.weak.at_centres(&axis.values(&rows.s)?);
         let direction = rows.weak.at_centres(&rows.s.direction);
-        let residuals = self.residuals();
+        let residuals = &self.mismatch;
         let signed = |r: &[f64]| -> Vec<f64> {
             let along = r.iter().zip(&direction);
             along.map(|(r, d)| if odd { r * d } else { *r }).collect()
@@ -295,14 +295,6 @@ impl Diagnosis {
         Some(figure)
     }
 
-    fn residuals(&self) -> [Vec<f64>; 2] {
-        let mut residuals = [0, 1].map(|i| self.states[i].residual(&self.null.rows));
-        if self.null.core.corrects {
-            residuals[0].clone_from(&self.null.rows.target);
-        }
-        residuals
-    }
-
     /// The ranked names with how sure and why not the others.
     fn missing_section(&self, recording: &Recording) -> Section {
         let rows = &self.null.rows;
@@ -346,7 +338,7 @@ impl Diagnosis {
 
     fn loops(&self, recording: &Recording) -> Figure {
         let rows = &self.null.rows;
-        let residuals = self.residuals();
+        let residuals = &self.mismatch;
         let position = rows.weak.at_centres(&rows.s.x);
         let shown = rows.weak.folds.last().cloned().unwrap_or(0..0);
         let modelled = |i: usize| -> Vec<f64> {
@@ -418,7 +410,7 @@ impl Diagnosis {
             let u = (value - low) / (high - low).max(1e-300);
             ((u * CELLS as f64) as usize).min(CELLS - 1)
         };
-        let [before, after] = self.residuals();
+        let [before, after] = &self.mismatch;
         let mut sums = vec![(0.0, 0.0, 0usize); CELLS * CELLS];
         for i in 0..x.len() {
             let sum = &mut sums[cell(x[i], bx) * CELLS + cell(v[i], bv)];

@@ -14,7 +14,7 @@ use super::given::Given;
 use super::hysteresis::{self, Shape};
 use super::lack::{Lack, lacks};
 use super::measured::{Begun, measured};
-use super::named::{CERTAIN, EVEN, Name, Named};
+use super::named::{CERTAIN, EVEN, Name, Named, source};
 use super::naming::TermReport;
 use super::null_model::{Hypothesis, Nmse, NullModel};
 use super::place::Place;
@@ -129,6 +129,8 @@ pub struct Diagnosis {
     pub null: NullModel,
     /// The hypothesis without and with the confident effects.
     pub states: [Hypothesis; 2],
+    /// Measured less modelled effort at the rows (N or N·m), before and after: what the texts have the size of, be it left by another law.
+    pub mismatch: [Vec<f64>; 2],
     /// What the user's simulation lacks, where something is stated.
     pub correction: Option<Correction>,
     /// The delay of the effort, where the user's model has one.
@@ -188,14 +190,23 @@ pub fn conclude(
     let left = |null: &NullModel, hypothesis: &Hypothesis| {
         let on_the_core = hypothesis.nmse(&null.rows);
         let own = law.and_then(|m| Given::beside(null, &hypothesis.terms, recording, m, None));
-        let own = own.map(|own| own.refitted);
-        own.filter(|own| own.test < on_the_core.test)
-            .unwrap_or(on_the_core)
+        match own.filter(|own| own.refitted.test < on_the_core.test) {
+            Some(Given {
+                refitted,
+                mismatch: [_, mismatch],
+                ..
+            }) => (refitted, mismatch),
+            None => (on_the_core, hypothesis.residual(&null.rows)),
+        }
     };
     let begins = |null: &NullModel| {
         let first = null.fit_as_given(&[kept.as_slice(), &found.known.terms].concat())?;
-        let left = left(null, &first);
-        Some(Begun { left, first })
+        let (left, mismatch) = left(null, &first);
+        Some(Begun {
+            left,
+            mismatch,
+            first,
+        })
     };
     let (mut null, mut begun, mut extended) = measured(&found, &kept, begins, &mut effects)?;
     if of_the_simulation(&null, &extended, &mut effects) {
@@ -204,10 +215,11 @@ pub fn conclude(
     let Begun {
         first,
         left: mut baseline,
+        mismatch: mut before,
     } = begun;
     let given_model = user.and_then(|m| Given::of(&null, &extended, recording, m, allowed));
     // Where all names together leave much of the effort, none of them is sure but a line that stands out of chance by itself.
-    let reached = left(&null, &extended);
+    let (reached, with_names) = left(&null, &extended);
     if reached.test > EXPLAINS_LITTLE {
         let is_doubtful = |e: &&mut Named| !(e.is_narrow() && e.confidence >= CERTAIN);
         let doubtful = effects.iter_mut().filter(is_doubtful);
@@ -220,6 +232,7 @@ pub fn conclude(
             train: given,
             test: given,
         };
+        before.clone_from(&null.rows.target);
         let corrections = simulation::corrections(&null, &extended);
         effects.extend(corrections.into_iter().map(|c| correction(&null, c)));
     }
@@ -245,6 +258,7 @@ pub fn conclude(
         // What the model leaves as it stands nothing takes more than, whatever the core leaves that names are judged on.
         let stands = given.stands;
         (baseline.train, baseline.test) = (stands, stands);
+        before.clone_from(&given.mismatch[0]);
         let told = effects.iter_mut().flat_map(|e| &mut e.nmse_test);
         told.filter(|n| **n > stands).for_each(|n| *n = stands);
     }
@@ -262,11 +276,15 @@ pub fn conclude(
     // Where nothing is missing, nothing is added.
     let adds = effects.iter().any(Named::is_missing);
     let stays = given_model.is_some() || !adds;
-    let after = if (!adds && null.core.corrects) || (stays && reached.test > baseline.test) {
-        baseline
-    } else {
-        reached
+    let is_as_before = (!adds && null.core.corrects) || (stays && reached.test > baseline.test);
+    let (after, with_names) = match is_as_before {
+        true => (baseline, before.clone()),
+        false => (reached, with_names),
     };
+    // The figures' mismatch is what the text has the size of: of a model that is given, as it stands.
+    if let Some(given) = given_model.as_ref().filter(|_| !null.core.corrects) {
+        before.clone_from(&given.mismatch[0]);
+    }
     // What a suspicion predicts on held-out data is no noise, either.
     let weighed = effects.iter().filter(|e| e.term.is_some());
     let left_beside = weighed.map(|e| e.nmse_test[1]);
@@ -351,6 +369,7 @@ pub fn conclude(
         given,
         null,
         states: [first, extended],
+        mismatch: [before, with_names],
         correction: None,
         allowed,
         simulated_late: None,
@@ -576,23 +595,4 @@ fn hint(found: &Found, effects: &mut Vec<Named>) {
             ambiguous: Vec::new(),
         });
     }
-}
-
-/// What of the mechanics has the period of an effect.
-fn source(effect: &dyn Effect, term: &Term, mechanics: &[(String, f64)]) -> Option<String> {
-    let in_position = effect.line().is_some_and(|line| line != effect::Line::Time);
-    let period = term.shape.first().copied().filter(|_| in_position)?;
-    let orders = mechanics
-        .iter()
-        .flat_map(|(key, length)| [1.0, 2.0, 3.0].map(|order| (key, length / order, order)));
-    let near = orders
-        .into_iter()
-        .find(|(_, length, _)| (period / length - 1.0).abs() < 0.02);
-    Some(near.map_or("unknown".to_owned(), |(key, _, order)| {
-        if order == 1.0 {
-            key.clone()
-        } else {
-            format!("{key}, order {order}")
-        }
-    }))
 }

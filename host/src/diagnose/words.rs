@@ -323,15 +323,15 @@ impl Diagnosis {
         let in_fit: Vec<&str> = self.in_fit().map(|e| e.name()).collect();
         let in_fit = (!in_fit.is_empty()).then(|| format!("in the fit: {}", in_fit.join(", ")));
         let nameless = self.nameless().map(|u| u.words(self, recording));
-        std::iter::once(self.verdict_clause(recording))
+        std::iter::once(self.verdict_clause(recording, true))
             .chain(in_fit)
             .chain(self.remarks(recording))
             .chain(nameless.map(|words| format!("without a name: {words}")))
             .collect()
     }
 
-    /// The verdict in a clause.
-    pub(super) fn verdict_clause(&self, recording: &Recording) -> String {
+    /// The verdict in a clause, of what is missing with its names or without, where they follow.
+    pub(super) fn verdict_clause(&self, recording: &Recording, names: bool) -> String {
         let between = self.unrepeated.filter(|u| *u > 0.0);
         let between = between.map_or(String::new(), |u| {
             format!(", {} varying between repeats", left(u))
@@ -373,6 +373,7 @@ impl Diagnosis {
                     }
                 )
             }
+            Verdict::MissingPhysics if !names => format!("missing physics ({figures})"),
             Verdict::MissingPhysics => {
                 let names: Vec<String> = self.missing().map(|e| e.called(recording)).collect();
                 format!("missing physics: {} ({figures})", names.join(", "))

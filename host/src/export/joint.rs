@@ -9,6 +9,7 @@ use preslide_fit::effects::form::{self, Form};
 use preslide_fit::friction::FrictionModel;
 use preslide_fit::model::Model;
 use preslide_fit::recording::MotionKind;
+use preslide_fit::report::figures::quantity;
 use std::fmt::Write as _;
 
 /// Whose joint.
@@ -78,7 +79,7 @@ impl Joint {
     /// What of a model a format holds.
     ///
     /// # Errors
-    /// A friction model without a level in sliding.
+    /// A friction model without a level in sliding; one whose friction may be in its constant force.
     pub fn of(model: &Model, format: Format) -> Result<Self, String> {
         if let Some(unit) = model.effort_unit {
             return Err(format!(
@@ -89,6 +90,13 @@ impl Joint {
         let holds = format.holds();
         let (rest, coulomb) = levels(model, &holds, &mut left_out)?;
         let unit = effort(model);
+        if coulomb == 0.0 && model.constant_force != 0.0 {
+            return Err(format!(
+                "the model has no Coulomb friction beside its constant force of {}, and the joint would slide without any: of a motion in one direction that force is Coulomb friction and load in one; record a motion with reversals and identify it, or, if it is a load alone, give --without {}",
+                quantity(model.constant_force, unit),
+                form::CONSTANT_FORCE.id
+            ));
+        }
         if model.constant_force != 0.0 {
             left_out.push(format!(
                 "constant_force, {} {unit}: add it to the actuator's force, or tilt the axis",
@@ -423,6 +431,29 @@ mod tests {
             "actuator_saturation",
         ] {
             assert!(lost.contains(part), "{part}: {lost}");
+        }
+    }
+
+    /// Of a motion in one direction the friction stands in the constant force: no joint slides without it unless its owner says so.
+    #[test]
+    fn friction_in_a_constant_force_is_not_lost_without_a_word() {
+        let model = |coulomb: f64, constant: f64| {
+            let text = format!(
+                "schema = \"preslide.model/1\"\nmotion = \"linear\"\nfriction = {{ kind = \"coulomb\", coulomb_N = {coulomb:?}, viscous_N_s_per_m = 20.0 }}\n\
+                 [[effects]]\nid = \"constant_force\"\nforce_N = {constant:?}\n"
+            );
+            Model::parse(&text).unwrap_or_else(|e| panic!("{e}"))
+        };
+        let one_way = model(0.0, 30.0);
+        for format in [Format::Mjcf, Format::Urdf, Format::Usd] {
+            let said = Joint::of(&one_way, format).expect_err("no friction");
+            for part in ["30.0 N", "reversals", "--without constant_force"] {
+                assert!(said.contains(part), "{said}");
+            }
+            assert!(Joint::of(&model(5.0, 30.0), format).is_ok());
+            let ids = [form::CONSTANT_FORCE.id.to_owned()];
+            let without = preslide_fit::model::reduced(&one_way, &ids).expect("its effect");
+            assert!(Joint::of(&without, format).is_ok());
         }
     }
 

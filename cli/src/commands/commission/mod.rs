@@ -8,6 +8,7 @@ use super::drive::arguments::{Home, MarkArg, Move, PlayArgs};
 use super::drive::{Commanded, ControllerArgs};
 use super::plan::WishArgs;
 use super::{Failure, command_line};
+use crate::heard::ask;
 use clap::{Args, ValueEnum};
 use findings::Findings;
 use journal::{Asked, Journal, Played};
@@ -17,7 +18,6 @@ use preslide_fit::report::figures::duration;
 use preslide_host::diagnose::experiment::Experiment;
 use preslide_host::plan::{Plan, Show, Wish, plan};
 use preslide_link::{Mode, Name, Request};
-use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -205,10 +205,9 @@ impl Commission {
     fn keep(&self, axis: &mut Commanded, keys: Option<&SpaceBar>) -> Result<(), Failure> {
         let says_yes = || {
             let Some(keys) = keys else { return false };
-            eprint!("Keep parameters and model over a reset? [y/N] ");
-            let _ = std::io::stderr().flush();
+            ask("Keep parameters and model over a reset? [y/N] ");
             let key = keys.next();
-            eprintln!();
+            ask("\n");
             key.is_some_and(|key| key.eq_ignore_ascii_case(&'y'))
         };
         if !self.save && !says_yes() {

@@ -30,9 +30,8 @@ pub(super) enum Format {
     Mcap,
     /// The SQLite files of ROS 2 bags.
     Db3,
-    Tdms,
-    Mdf,
-    Rosbag1,
+    /// Known by name, and read by nothing here.
+    Other,
 }
 
 /// First bytes, format, what it is called, the cargo feature that reads it, what to do where none does.
@@ -45,18 +44,32 @@ type Row = (
 );
 
 #[rustfmt::skip]
-const FORMATS: [Row; 11] = [
-    (b"PK\x03\x04", Format::Npz, "an NPZ file", None, ""),
+const FORMATS: [Row; 25] = [
+    (b"PK\x03\x04", Format::Npz, "an NPZ file", None, "give it as a file, for it cannot be read from a stream"),
     (b"\x93NUMPY", Format::Npy, "a single NumPy array, whose columns have no names", None, "write the columns by name: numpy.savez(\"rec.npz\", t_s=..., x_m=..., force_N=...)"),
     (b"PAR1", Format::Parquet, "a Parquet file", Some("parquet"), "pandas.read_parquet(...).to_csv(...)"),
     (b"\x89HDF\r\n\x1a\n", Format::Hdf5, "an HDF5 file", Some("hdf5"), "export its columns as CSV"),
     (b"MATLAB 7.3", Format::Hdf5, "a MATLAB v7.3 (HDF5) file", Some("hdf5"), "save(..., '-v7')"),
     (b"\x89MCAP", Format::Mcap, "an MCAP file", Some("mcap"), "export its columns as CSV"),
     (b"SQLite format 3\0", Format::Db3, "an SQLite file (of a ROS 2 bag?)", Some("db3"), "export its columns as CSV"),
-    (b"TDSm", Format::Tdms, "a TDMS file", None, "with Python's npTDMS: TdmsFile.read(...).as_dataframe().to_csv(...)"),
-    (b"MDF     ", Format::Mdf, "an MDF file", None, "with Python's asammdf: MDF(...).export(\"csv\", ...)"),
-    (b"UnFinMF ", Format::Mdf, "an unfinished MDF file", None, "with Python's asammdf: MDF(...).export(\"csv\", ...)"),
-    (b"#ROSBAG V2.0", Format::Rosbag1, "a ROS 1 bag", None, "rosbags-convert makes an MCAP of it"),
+    (b"TDSm", Format::Other, "a TDMS file", None, "convert it with Python's npTDMS: TdmsFile.read(...).as_dataframe().to_csv(...)"),
+    (b"MDF     ", Format::Other, "an MDF file", None, "convert it with Python's asammdf: MDF(...).export(\"csv\", ...)"),
+    (b"UnFinMF ", Format::Other, "an unfinished MDF file", None, "convert it with Python's asammdf: MDF(...).export(\"csv\", ...)"),
+    (b"#ROSBAG V2.0", Format::Other, "a ROS 1 bag", None, "rosbags-convert makes an MCAP of it"),
+    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", Format::Other, "an Excel 97 workbook (.xls)", None, "open it and save the sheet as CSV"),
+    (b"ULog\x01\x12\x35", Format::Other, "a ULog file of PX4", None, "pyulog's ulog2csv makes CSV of it"),
+    (b"ARROW1", Format::Other, "an Arrow or Feather file", None, "pandas.read_feather(...).to_csv(...)"),
+    (b"\x1f\x8b", Format::Other, "compressed with gzip", None, "unpack it: gunzip FILE"),
+    (b"BZh", Format::Other, "compressed with bzip2", None, "unpack it: bunzip2 FILE"),
+    (b"\xfd7zXZ\0", Format::Other, "compressed with xz", None, "unpack it: unxz FILE"),
+    (b"\x28\xb5\x2f\xfd", Format::Other, "compressed with Zstandard", None, "unpack it: unzstd FILE"),
+    (b"7z\xbc\xaf\x27\x1c", Format::Other, "a 7z archive", None, "unpack it: 7z x FILE"),
+    (b"Rar!\x1a\x07", Format::Other, "a RAR archive", None, "unpack it"),
+    (b"RIFF", Format::Other, "a WAV or AVI file", None, "export its samples as CSV"),
+    (b"\x89PNG\r\n\x1a\n", Format::Other, "a PNG picture", None, "export the samples behind it as CSV"),
+    (b"%PDF-", Format::Other, "a PDF", None, "export the samples behind it as CSV"),
+    (b"\xff\xfe\0\0", Format::Other, "text in UTF-32", None, "save it as UTF-8"),
+    (b"\x7fELF", Format::Other, "a program", None, "give the recording"),
 ];
 
 /// Bytes that mark a format.
@@ -107,19 +120,20 @@ pub(super) fn variables(format: Format, input: Input) -> Result<Vec<Variable>, P
     found.map_err(|reason| Problem::Other(format!("is {reason}")))
 }
 
-fn refusal(start: &[u8]) -> Problem {
+/// Why a file of that kind is not read, and what would be.
+pub(super) fn refusal(start: &[u8]) -> Problem {
     let row = FORMATS.iter().find(|row| start.starts_with(row.0));
     let (what, remedy) = match row {
         Some((_, _, what, Some(feature), otherwise)) => (
             *what,
             format!(
-                "build the tool with it (cargo build --release -p preslide-cli --features {feature}), or convert the file: {otherwise}"
+                "to read it, build the tool with it (cargo build --release -p preslide-cli --features {feature}), or convert the file: {otherwise}"
             ),
         ),
-        Some((_, _, what, None, otherwise)) => (*what, format!("convert it: {otherwise}")),
+        Some((_, _, what, None, otherwise)) => (*what, (*otherwise).to_owned()),
         None => ("a file of another kind", "export CSV".to_owned()),
     };
-    Problem::Other(format!("is {what}; to read it, {remedy}"))
+    Problem::Other(format!("is {what}; {remedy}"))
 }
 
 /// Takes `bytes` off what the numbers may take.

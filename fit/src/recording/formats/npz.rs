@@ -1,5 +1,7 @@
 //! NPZ: a zip archive of NumPy arrays.
 
+use std::borrow::Cow;
+
 use zip::ZipArchive;
 
 use super::npy::{self, Array};
@@ -46,9 +48,35 @@ pub(super) fn variables(input: Input) -> Result<Vec<Variable>, String> {
         }
     }
     if found.is_empty() {
-        return Err("a zip archive without NumPy arrays; save a spreadsheet as CSV".to_owned());
+        return Err(other_archive(archive.file_names().flatten().collect()));
     }
     Ok(found)
+}
+
+/// What an archive without arrays is, by what it holds, and what to do.
+fn other_archive(names: Vec<Cow<str>>) -> String {
+    let has = |start: &str| names.iter().any(|name| name.starts_with(start));
+    let table = |name: &&Cow<str>| {
+        [".csv", ".txt", ".mat", ".tsv"]
+            .iter()
+            .any(|end| name.ends_with(end))
+    };
+    if has("xl/") {
+        return "an Excel workbook; save the sheet as CSV (File, Save As, CSV UTF-8), or pandas.read_excel(...).to_csv(...)".to_owned();
+    }
+    if has("content.xml") {
+        return "an OpenDocument spreadsheet; save the sheet as CSV".to_owned();
+    }
+    match names.iter().find(table) {
+        Some(name) => format!(
+            "a zip archive; unpack it and give `{}`",
+            name.replace(char::is_control, "\u{fffd}")
+        ),
+        None => {
+            "a zip archive without NumPy arrays or tables; unpack it, and export its columns as CSV"
+                .to_owned()
+        }
+    }
 }
 
 /// The name that an array was saved by, of its entry's path.

@@ -108,6 +108,25 @@ impl<'a> Cursor<'a> {
     }
 }
 
+/// Whether a file of that extension is one of MATLAB 4, whose first variable's type, sizes and name begin it.
+fn is_v4(bytes: &[u8]) -> bool {
+    let Some((words, _)) = bytes.as_chunks::<4>().0.split_at_checked(5) else {
+        return false;
+    };
+    let words = |of: fn([u8; 4]) -> u32| words.iter().map(|w| of(*w)).collect::<Vec<_>>();
+    [u32::from_le_bytes, u32::from_be_bytes]
+        .into_iter()
+        .any(|of| {
+            let [kind, rows, columns, imaginary, name] = words(of)[..] else {
+                return false;
+            };
+            // Thousands are the machine, tens the number's type, ones the matrix's.
+            let is_kind =
+                kind < 5000 && kind / 100 % 10 == 0 && kind / 10 % 10 < 6 && kind % 10 < 3;
+            is_kind && imaginary < 2 && (2..64).contains(&name) && rows > 0 && columns > 0
+        })
+}
+
 /// Every variable of the file.
 pub(super) fn variables(bytes: &[u8], options: &LoadOptions) -> Result<Vec<Variable>, Problem> {
     if bytes.is_empty() {
@@ -119,6 +138,11 @@ pub(super) fn variables(bytes: &[u8], options: &LoadOptions) -> Result<Vec<Varia
         big_endian: false,
         fixed: false,
     };
+    if is_v4(bytes) {
+        return Err(Problem::Other(
+            "is a MATLAB v4 file; save it with `save(..., '-v7')` or export CSV".into(),
+        ));
+    }
     let header = cursor.take(HEADER_BYTES)?;
     cursor.big_endian = match header.get(126..) {
         Some(b"IM") => false,

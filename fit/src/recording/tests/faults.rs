@@ -94,6 +94,45 @@ fn an_angle_that_wraps_at_a_turn_is_unwrapped() {
     assert!(apart(&r.position, &right) < 1e-5);
 }
 
+/// A jump of any size at an end is no wrap but of a whole span, and a wrap stays one.
+#[test]
+fn a_spike_in_the_first_row_is_no_wrap() {
+    let count = 25e-9;
+    let turns = 65536.0 * count;
+    let at_an_end = |row: i32, by: f64| {
+        read(&swing(|i, x, _| {
+            let slow = (*x / count / 100.0).round() * count;
+            *x = if i == row { slow + by } else { slow };
+        }))
+    };
+    let clean = at_an_end(0, 0.0);
+    // 1.03 spans, which a few per cent would take for one; and a whole one.
+    for (row, by, code) in [
+        (0, 1.03 * turns, "spike"),
+        (1, -0.97 * turns, "spike"),
+        (0, 1.0, "spike"),
+        (9999, 1.03 * turns, "spike"),
+        (0, turns, "wrapped"),
+    ] {
+        let r = at_an_end(row, by);
+        for other in ["spike", "wrapped", "position-jump"] {
+            assert_eq!(
+                warns(&r, other),
+                other == code,
+                "{row} {by}: {:?}",
+                r.warnings
+            );
+        }
+        let shift = r.position[5000] - clean.position[5000];
+        let right: Vec<f64> = clean.position.iter().map(|x| x + shift).collect();
+        let worst = apart(&r.position, &right);
+        assert!(
+            worst < 1e-6 && (shift == 0.0 || code == "wrapped"),
+            "{row} {by}: {worst:e}"
+        );
+    }
+}
+
 /// A drive logs the force and the current that makes it: the force is the effort, wherever it stands.
 #[test]
 fn of_two_efforts_the_one_nearer_to_the_load_is_taken_and_the_other_left_out() {

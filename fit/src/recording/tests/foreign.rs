@@ -283,6 +283,9 @@ fn a_map_adds_up_products_of_columns() {
     ] {
         let r = text(csv, &[("force_N", map)]).unwrap_or_else(|e| panic!("{map}: {e}"));
         assert!(apart(&r.effort, &[25.0, 30.0, 75.0]) < 1e-9, "{map}");
+        for part in [" [bar]` is taken in bar", "1e5*AREA_M2"] {
+            assert!(said(&r, "unit-kept").contains(part), "{:?}", r.warnings);
+        }
         assert_eq!(r.position, [0.01, 0.0105, 0.011]);
     }
     let shifted = text(csv, &[("force_N", "pA*2-8")]).expect("an offset");

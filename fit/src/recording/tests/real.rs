@@ -34,9 +34,6 @@ fn every_real_csv_loads_or_says_why() {
                 let parts = ["time runs backwards", "line 502", "--map segment=run"];
                 refuses(plain, &parts);
                 &[("segment", "run")]
-            } else if name.contains("laas_cogging") {
-                refuses(plain, &["no effort", "current_iq_A"]);
-                &[("current_A", "current_iq_A")]
             } else {
                 &[]
             };

@@ -54,10 +54,10 @@ fn what_is_no_text_of_rows_below_a_header_is_refused() {
 #[test]
 fn what_drives_write_around_the_samples_is_read() {
     let plain = load("t_s,x_m,force_N\n0,0,1\n1,1e-3,1\n2,0,1\n").expect("plain");
-    let utf16: Vec<u8> = "\u{feff}t_s;x_m;force_N\r\n0;0;1\r\n1;0,001;1\r\n2;0;1\r\n"
-        .encode_utf16()
-        .flat_map(u16::to_le_bytes)
-        .collect();
+    let utf16 = |mark: &str, bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
+        let text = format!("{mark}t_s;x_m;force_N\r\n0;0;1\r\n1;0,001;1\r\n2;0;1\r\n");
+        text.encode_utf16().flat_map(bytes).collect()
+    };
     for (name, text) in [
         (
             "semicolons",
@@ -93,7 +93,9 @@ fn what_drives_write_around_the_samples_is_read() {
             b"t_s,x_m,force_N,Temp_\xb0C,note\n0,0,1,3,\xe4\n1,1e-3,1,4,\xe4\n2,0,1,5,\xe4\n"
                 .to_vec(),
         ),
-        ("UTF-16", utf16),
+        ("UTF-16", utf16("\u{feff}", u16::to_le_bytes)),
+        ("UTF-16 without a mark", utf16("", u16::to_le_bytes)),
+        ("the other UTF-16", utf16("", u16::to_be_bytes)),
         (
             "a remark for a header",
             b"# t_s x_m force_N\n0 0 1\n1 1e-3 1\n2 0 1\n".to_vec(),

@@ -2,10 +2,12 @@
 
 use super::*;
 use column::Kind;
+use fit::Fit;
 use given::Refitted;
 use preslide_fit::effects::Effect;
 use preslide_fit::recording::Extra;
 use preslide_fit::simulate::force_of_motion;
+use std::sync::Arc;
 
 /// The made machine's own model, its friction level and inertia times factors, with viscous friction (N·s/m).
 fn model(level: f64, inertia: f64, viscous: f64) -> Model {
@@ -95,6 +97,58 @@ fn reports_wrong_parameters_and_no_right_ones() {
         assert!(stands(&again) < stands(&found).map(|s| s / 3.0));
         assert!(!extended.replaces.is_empty());
         assert_eq!(again.verdict, Verdict::Consistent);
+    }
+}
+
+/// What the figures show before and after is what the texts have the size of, whichever law leaves it.
+#[test]
+fn figures_show_what_the_texts_say() {
+    let stiff = made_of(&[(3e5, 1e-5)], |_, _, v| 8.0 * v + 0.5);
+    let plain = made(|_, _, v| 8.0 * v);
+    let fit = |r: &Recording| Arc::new(Fit::of(r));
+    for (recording, given, fit) in [
+        (&plain, Some(model(0.7, 1.0, 8.0)), None),
+        (&plain, Some(model(1.0, 1.0, 8.0)), None),
+        (&plain, None, Some(fit(&plain))),
+        (&stiff, None, Some(fit(&stiff))),
+    ] {
+        let found = diagnose(recording, given.as_ref(), fit, &Progress::new("", 0));
+        let found = found.expect("a diagnosis");
+        let rows = &found.null.rows;
+        let before = found
+            .given_model
+            .as_ref()
+            .map_or(found.baseline.test, |g| g.stands);
+        let said = [before, found.extended.test].map(|nmse| rows.rms_of(nmse));
+        let shown = found
+            .mismatch
+            .each_ref()
+            .map(|left| rows.rms_of(rows.nmse(left)));
+        let core = rows.rms_of(rows.nmse(&found.states[0].residual(rows)));
+        println!("{said:?} {shown:?} {core}");
+        for (said, shown) in said.iter().zip(shown) {
+            // Held out a little more is left than of what is fitted.
+            assert!((shown / said - 1.0).abs() < 0.05, "{said} {shown}");
+        }
+    }
+}
+
+/// A fit has one constant force, whatever part of it is friction that differs by direction: both are named, with what is known of them.
+#[test]
+fn a_constant_force_of_the_fit_may_be_friction_by_direction() {
+    for (constant, told) in [(0.5, true), (0.0, false)] {
+        let recording = made(|_, _, v| 8.0 * v + constant);
+        let fit = Some(Arc::new(Fit::of(&recording)));
+        let found = diagnose(&recording, None, fit, &Progress::new("", 0)).expect("a diagnosis");
+        let words = found
+            .in_fit_words(&recording)
+            .expect("viscous friction at least");
+        println!("{words}");
+        assert_eq!(words.contains("In sliding, a constant force"), told);
+        assert_eq!(
+            words.contains("may be either or some of each (all of it as friction: 3.0"),
+            told
+        );
     }
 }
 

@@ -29,6 +29,8 @@ pub struct C {
     pub header: String,
     /// `NAME.c`.
     pub source: String,
+    /// Ticks per second (Hz) that it is for, where time plays a part in it.
+    pub rate: Option<f64>,
 }
 
 /// A model as C, all names beginning with `name`.
@@ -68,6 +70,7 @@ pub fn c_source(model: &Model, options: &Options, name: &str) -> Result<C, Strin
     Ok(C {
         header: file.header(),
         source: file.source(&constants, &helpers(&code), &code),
+        rate,
     })
 }
 

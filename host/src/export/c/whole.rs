@@ -65,6 +65,7 @@ pub(super) fn c_source(
     Ok(C {
         header: file.header(),
         source: file.source(&[], "", &code),
+        rate,
     })
 }
 
