@@ -2,7 +2,7 @@
 
 use super::{Options, Source, Term, literal};
 use crate::export::constants::{
-    FORCE_BOUND, LEVEL_BOUND, bounds, carried, named, numbered, of_effect,
+    FORCE_BOUND, LEVEL_BOUND, carried, named, numbered, of_bounds, of_effect,
 };
 use preslide_fit::effects::Effect;
 use preslide_fit::effects::form::{Argument, Constructor};
@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 impl Source<'_> {
     pub(super) fn effects(&mut self, options: &Options) -> Result<(), String> {
         let effects = carried(self.model);
-        for bound in bounds(self.model, &effects, options)? {
+        for bound in of_bounds(self.model, options)? {
             self.constant(&bound);
         }
         for (id, effect) in numbered(&effects) {
