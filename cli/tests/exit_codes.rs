@@ -311,6 +311,11 @@ fn what_was_taken_for_something_else_is_said_to_be_it() {
     ] {
         preslide(&line).fails(code, parts);
     }
+    let coarse = ["tune", &model, "--count", "1mm", "--cpu"];
+    for cores in ["cortex-m4", "all"] {
+        let run = preslide(&[&coarse[..], &[cores]].concat());
+        run.fails(3, &["--count 1.00 mm: so coarse"]);
+    }
     // The blocks have their answer where the observer has none.
     let run = preslide(
         &[

@@ -14,7 +14,7 @@ use preslide_fit::report::Page;
 use preslide_host::cost::{CORES, Core, CostTable, DEFAULT};
 use preslide_host::tune::cores::{Comparison, OnCore, budget_on};
 use preslide_host::tune::observer::{DEMANDS, Known, Proposal, propose, take_mass};
-use preslide_host::tune::{Budget, Choice, Tuning, of_model, of_recording};
+use preslide_host::tune::{Budget, Choice, TOO_COARSE, Tuning, of_model, of_recording};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -328,6 +328,12 @@ impl Tune {
         self.write(comparison.to_json(seconds), page, observer)?;
         if comparison.fits() {
             return Ok(());
+        }
+        // Counts are too coarse for every core, and no rate or budget mends that.
+        let coarse = comparison.cores.iter().map(|on| &on.tuning);
+        let mut coarse = coarse.filter(|tuning| tuning.counting > TOO_COARSE);
+        if let Some(Err(reason)) = coarse.next().map(|tuning| &tuning.recommended) {
+            return Err(Failure::Data(reason.clone()));
         }
         Err(Failure::Data(
             "nothing fits on any core; lower --rate or allow more --budget".to_owned(),

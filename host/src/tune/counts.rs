@@ -2,16 +2,17 @@
 
 use preslide_fit::friction::{FrictionModel, Path};
 use preslide_fit::report::figures::{quantity, three};
+use preslide_fit::statistics::nmse;
 
-/// From here on (% of `F_s`, rms) what counts take from a model is said.
-const COARSE: f64 = 5.0;
+/// From here on (NMSE, %) what counts take from a model is said.
+const COARSE: f64 = 1.0;
 
-/// No model is worth its cycles of which counts take so much (% of `F_s`, rms). Counts as long as the shortest yield, the longest of which
-/// `identify` still finds a block, take up to 36 %; from here on half or more of the force's variance is gone.
-pub const TOO_COARSE: f64 = 45.0;
+/// No model is worth its cycles of which counts take so much (NMSE, %). Counts as long as the shortest yield, the longest of which
+/// `identify` still finds a block, take up to 44 %; where they show nothing it is all.
+pub const TOO_COARSE: f64 = 50.0;
 
 /// What an encoder's counts (m or rad) alone take from a Maxwell-slip model, whatever the arithmetic: its force along counts beside that
-/// along the motion itself (% of `F_s`, rms). The motion is strokes that shrink from four times the longest yield displacement to half of
+/// along the motion itself (NMSE, %). The motion is strokes that shrink from four times the longest yield displacement to half of
 /// the shortest, so that every block sticks and slips on it; 0 for another law.
 pub fn counting(friction: &FrictionModel, count: f64) -> f64 {
     /// Samples of a stroke, and each stroke of the one before.
@@ -57,15 +58,15 @@ pub fn counting(friction: &FrictionModel, count: f64) -> f64 {
     let (Ok(exact), Ok(counted)) = (along(&position), along(&counted)) else {
         return 0.0;
     };
-    let squares = exact.iter().zip(&counted).map(|(a, b)| (a - b).powi(2));
-    100.0 * (squares.sum::<f64>() / exact.len().max(1) as f64).sqrt() / breakaway
+    let rows: Vec<usize> = (0..exact.len()).collect();
+    nmse(&exact, &counted, &rows)
 }
 
 /// What is said of counts that take a part of the model.
 pub fn counting_note(counting: f64, count: f64, unit: &str) -> Option<String> {
     (counting > COARSE).then(|| {
         format!(
-            "encoder counts of {} alone take {} % of the breakaway force from the model (rms on strokes that show every block), whatever the arithmetic",
+            "encoder counts of {} alone put the model off by an NMSE of {} % (on strokes that show every block), whatever the arithmetic",
             quantity(count, unit),
             three(counting)
         )
@@ -75,7 +76,7 @@ pub fn counting_note(counting: f64, count: f64, unit: &str) -> Option<String> {
 /// Why nothing is recommended for such counts.
 pub fn too_coarse(counting: f64, count: f64, unit: &str) -> String {
     format!(
-        "--count {}: so coarse that counts alone take {} % of the breakaway force from the model (rms on strokes that show every block), whatever the arithmetic; check the length of a count, or identify with fewer blocks, which yield later",
+        "--count {}: so coarse that counts alone put the model off by an NMSE of {} % (on strokes that show every block), whatever the arithmetic; check the length of a count, or identify with fewer blocks, which yield later",
         quantity(count, unit),
         three(counting)
     )

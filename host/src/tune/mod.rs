@@ -99,7 +99,7 @@ pub struct Tuning {
     pub origin: String,
     /// Whether a recording decided the accuracy.
     pub recorded: bool,
-    /// What the encoder's counts alone take from the model, see [`counting`] (% of `F_s`, rms).
+    /// What the encoder's counts alone take from the model, see [`counting`] (NMSE, %).
     pub counting: f64,
 }
 

@@ -111,8 +111,8 @@ fn counts_longer_than_the_blocks_are_said_and_then_refused() {
     let costs = CostTable::of_cpu("cortex-m4").unwrap();
     for (count, least, most, note) in [
         (25e-9, 0.0, 1.0, false),
-        (4e-6, 5.0, 36.0, true),
-        (1e-3, 45.0, 120.0, true),
+        (4e-6, 2.0, 44.0, true),
+        (1e-3, 90.0, 500.0, true),
     ] {
         let tuning = of_model(&model(TWO), count, &costs, budget(0.05)).unwrap();
         let lost = tuning.counting;
