@@ -271,3 +271,85 @@ fn a_closed_pipe_ends_nothing() {
         assert!(std::path::Path::new(&file).exists(), "{file}");
     }
 }
+
+/// An observer without the user's axis, or whose forces are none; a file in place of a port or of a model; units that are no speed's.
+#[test]
+fn what_was_taken_for_something_else_is_said_to_be_it() {
+    let folder = Folder::new();
+    let (model, table) = (
+        folder.file("model.toml", MODEL),
+        folder.file("axis.csv", recording(HEADER)),
+    );
+    let current = MODEL.replacen("[friction]", "effort_unit = \"A\"\n[friction]", 1);
+    let (current, own) = (folder.file("current.toml", current), own_axis());
+    let out = folder.path("motion.csv");
+    let plan = [
+        "plan",
+        "--travel",
+        "4mm",
+        "--acceleration",
+        "0.1m/s2",
+        "-o",
+        &out,
+        "--speed",
+    ];
+    let tune = ["--count", "25nm", "--resonance", "300Hz"];
+    for (line, code, parts) in [
+        (
+            [&["tune", &model][..], &tune].concat(),
+            2,
+            &["--axis", "PRESLIDE_AXIS", "axis.toml"][..],
+        ),
+        (
+            [&["tune", &current][..], &tune, &["--axis", &own]].concat(),
+            2,
+            &["forces are in A"],
+        ),
+        (
+            vec!["commission", &table],
+            2,
+            &["it is a file, not a serial port"],
+        ),
+        (
+            vec!["export", &table],
+            2,
+            &["this is a table", "preslide identify"],
+        ),
+        (
+            vec!["diagnose", &table, "--model", &table],
+            2,
+            &["this is a table", "preslide identify"],
+        ),
+        (
+            [&plan[..], &["2mm"]].concat(),
+            2,
+            &["`2mm` is not a speed", "60rpm"],
+        ),
+        ([&plan[..], &["60rpm"]].concat(), 2, &["--speed 60rpm"]),
+    ] {
+        preslide(&line).fails(code, parts);
+    }
+    let coarse = ["tune", &model, "--count", "1mm", "--cpu"];
+    for cores in ["cortex-m4", "all"] {
+        let run = preslide(&[&coarse[..], &[cores]].concat());
+        run.fails(3, &["--count 1.00 mm: so coarse"]);
+    }
+    // The blocks have their answer where the observer has none.
+    let run = preslide(
+        &[
+            &["tune", &model][..],
+            &tune[..2],
+            &["--resonance", "60Hz", "--axis", &own],
+        ]
+        .concat(),
+    );
+    run.fails(3, &["gains.proportional of 100 kN/m", "axis.toml"]);
+    assert!(run.out.contains("slip_reserve_i16f16"), "{}", run.out);
+    preslide(&[&plan[..], &["2mm/s"]].concat()).succeeds();
+}
+
+/// The project's own axis, named as a user's would be.
+fn own_axis() -> String {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../axis.toml");
+    path.display().to_string()
+}

@@ -422,3 +422,125 @@ fn a_recording_is_named_by_its_hash_and_error() {
         "{source}"
     );
 }
+
+/// Terms that reach ten breakaway forces on a recording are not cut there, and the command that is proposed knows that recording.
+#[test]
+fn the_bound_is_that_of_the_recording_and_what_it_cuts_is_said() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let mut csv = "time,x_m,f\n".to_owned();
+    for i in 0..4000 {
+        let (t, w) = (f64::from(i) * 1e-3, 5.0_f64);
+        let x = 0.01 * (w * t).sin();
+        let force = 2000.0 * x + 0.9 * (w * t).cos().signum();
+        csv += &format!("{t},{x:e},{force}\n");
+    }
+    let plain = std::fs::read_to_string(file("plain.toml")).expect("readable");
+    let spring =
+        "[[effects]]\nid = \"position_spring\"\nstiffness_N_per_m = 2000.0\ncentre_m = 0.0\n";
+    let (model, recording, json) = (path("model.toml"), path("an axis.csv"), path("out.json"));
+    std::fs::write(&model, plain + "\n" + spring).expect("written");
+    std::fs::write(&recording, csv).expect("written");
+    let read = [
+        "--recording",
+        &recording,
+        "--map",
+        "t_s=time",
+        "--map",
+        "force_N=f",
+    ];
+    let of = |more: &[&str], code: i32| {
+        let run = export(&[&[model.as_str(), "--json", &json], more].concat());
+        assert_eq!(run.status.code(), Some(code), "{}", text(&run.stderr));
+        (text(&run.stdout), text(&run.stderr))
+    };
+    let answer = || {
+        let answer = std::fs::read_to_string(&json).expect("written");
+        serde_json::from_str::<serde_json::Value>(&answer).expect("JSON")["bounds"][0].clone()
+    };
+    let (source, said) = of(&[], 0);
+    let cut = "position_spring beyond ±4.50 mm of its centre; --limit";
+    assert!(
+        source.contains(cut) && said.contains(cut),
+        "{said}\n{source}"
+    );
+    assert_eq!(answer()["from"], "default");
+    assert!((answer()["cuts"][0]["beyond_m"].as_f64().expect("a number") - 4.5e-3).abs() < 1e-9);
+    let (source, _) = of(&read, 0);
+    assert_eq!(answer()["from"], "recording");
+    assert!((answer()["limit_N"].as_f64().expect("a number") - 40.0).abs() < 0.1);
+    assert!(
+        source.contains("Force bound 40.0 N (twice the largest on the recordings)"),
+        "{source}"
+    );
+    let (_, refused) = of(&[&read[..], &["--limit", "5"]].concat(), 2);
+    assert!(
+        refused.contains("position_spring reaches 20.0 N") && refused.contains("--limit 20 "),
+        "{refused}"
+    );
+    // As `diagnose` and `identify` read it.
+    let next = Command::new(env!("CARGO_BIN_EXE_preslide"))
+        .args([
+            "simulate", &model, "--motion", &recording, "--map", "t_s=time", "--ignore", "f",
+        ])
+        .output()
+        .expect("the binary runs");
+    let next = text(&next.stdout);
+    assert!(
+        next.contains(&format!(
+            "--recording '{recording}' --map t_s=time --ignore f -o stage_model.rs"
+        )),
+        "{next}"
+    );
+}
+
+/// The names and comments of a model of currents are in A, on either kind of axis and in either language.
+#[test]
+fn a_model_in_amperes_has_no_newtons() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let plain = std::fs::read_to_string(file("plain.toml")).expect("readable");
+    let plain = plain.replacen(
+        "[friction]",
+        "effort_unit = \"A\"\n[inertia]\nmass_kg = 2.0\n[friction]",
+        1,
+    );
+    let linear = plain.replace("viscous_N_s_per_m = 0.0", "viscous_N_s_per_m = 3.0");
+    let rotary = linear
+        .replace("linear", "rotary")
+        .replace("mass_kg", "inertia_kg_m2");
+    let rotary = rotary
+        .replace("_N_per_m", "_Nm_per_rad")
+        .replace("_N_s_per_m", "_Nm_s_per_rad");
+    let rotary = rotary.replace("breakaway_N ", "breakaway_Nm ");
+    let units = ["_N_", "_NM_", "_KG", "(N)", "(N or", "(N,", "N m"];
+    for (name, model, inertia) in [
+        ("linear", linear, "MASS_A_S2_PER_M"),
+        ("rotary", rotary, "INERTIA_A_S2_PER_RAD"),
+    ] {
+        let file = path(&format!("{name}.toml"));
+        std::fs::write(&file, model).expect("written");
+        let c = path(&format!("{name}.c"));
+        let whole = ["--kernel", "slip_reserve_i16f16", "--count", "1e-7"];
+        for more in [
+            &[][..],
+            &["--lang", "c", "-o", &c],
+            &[&["--lang", "c", "-o", &c][..], &whole].concat(),
+        ] {
+            let run = export(&[&[file.as_str()][..], more].concat());
+            assert!(run.status.success(), "{}", text(&run.stderr));
+            let source = match more.is_empty() {
+                true => text(&run.stdout),
+                false => [&c, &path(&format!("{name}.h"))]
+                    .map(|file| std::fs::read_to_string(file).expect("written"))
+                    .concat(),
+            };
+            assert!(source.contains(inertia), "{source}");
+            for line in source.lines() {
+                // Keys of the model file are in backticks.
+                let own: String = line.split('`').step_by(2).collect();
+                assert!(!units.iter().any(|unit| own.contains(unit)), "{line}");
+            }
+        }
+    }
+}

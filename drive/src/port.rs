@@ -60,7 +60,10 @@ fn tcp(address: &str) -> Result<Box<dyn Line>, Error> {
 
 fn serial(path: &str, baud: u32) -> Result<Box<dyn Line>, Error> {
     // Its own message for a missing file is that of the system.
-    std::fs::metadata(path)?;
+    if std::fs::metadata(path)?.is_file() {
+        // The system's message would be of a typewriter.
+        return Err(Error::other("it is a file, not a serial port"));
+    }
     let port = serialport::new(path, baud).timeout(TIMEOUT).open()?;
     Ok(Box::new(port))
 }

@@ -71,34 +71,42 @@ pub fn length(text: &str) -> Result<Quantity, String> {
         })
     };
     let found = units.into_iter().find_map(read);
-    found.ok_or_else(|| {
-        format!("`{text}` is not a length; give 1.5mm, 20um, 300nm, 0.001 (m) or 90deg")
-    })
+    found.ok_or_else(|| format!("`{text}` is not a length; give it as 1.5mm, 20um, 300nm or 90deg"))
 }
 
-/// A speed: a length per s, whose `/s` may be left out.
+/// A speed: a length or an angle per s, or turns a minute; a number alone is in SI.
 ///
 /// # Errors
 /// What would be understood.
 pub fn speed(text: &str) -> Result<Quantity, String> {
-    per(text, &["/s"])
-        .ok_or_else(|| format!("`{text}` is not a speed; give 5mm/s, 90deg/s or 0.005"))
+    let of_turns = || {
+        let number: f64 = text.trim().strip_suffix("rpm")?.trim().parse().ok()?;
+        number.is_finite().then(|| Quantity {
+            value: number * std::f64::consts::TAU / 60.0,
+            turns: Some(true),
+            typed: text.trim().to_owned(),
+        })
+    };
+    of_turns()
+        .or_else(|| per(text, &["/s"]))
+        .ok_or_else(|| format!("`{text}` is not a speed; give it as 5mm/s, 90deg/s or 60rpm"))
 }
 
-/// An acceleration: a length per s², whose `/s2` may be left out.
+/// An acceleration: a length or an angle per s²; a number alone is in SI.
 ///
 /// # Errors
 /// What would be understood.
 pub fn acceleration(text: &str) -> Result<Quantity, String> {
     per(text, &["/s2", "/s²", "/s^2"])
-        .ok_or_else(|| format!("`{text}` is not an acceleration; give 0.1m/s2, 720deg/s2 or 0.1"))
+        .ok_or_else(|| format!("`{text}` is not an acceleration; give it as 0.1m/s2 or 720deg/s2"))
 }
 
+/// A length with one of these ends; a length without is no speed.
 fn per(text: &str, ends: &[&str]) -> Option<Quantity> {
     let text = text.trim();
     let bare = ends.iter().find_map(|end| text.strip_suffix(end));
     let length = length(bare.unwrap_or(text)).ok()?;
-    Some(Quantity {
+    (bare.is_some() || length.turns.is_none()).then(|| Quantity {
         typed: text.to_owned(),
         ..length
     })
@@ -204,7 +212,16 @@ mod tests {
         for text in ["", "mm", "1.5 furlongs", "nan", "inf"] {
             assert!(length(text).is_err(), "{text}");
         }
-        assert!(speed("0.1m/s2").is_err() && acceleration("5mm/s").is_err());
+        near(speed("60rpm"), std::f64::consts::TAU);
+        near(speed("0.005"), 5e-3);
+        for wrong in [
+            speed("0.1m/s2"),
+            speed("2mm"),
+            acceleration("5mm/s"),
+            acceleration("720deg"),
+        ] {
+            assert!(wrong.is_err(), "{wrong:?}");
+        }
         assert!(positive(speed("-1mm/s")).is_err());
         for (value, text) in [(1.005e-4, "100.5 µm"), (-0.0125, "-12.5 mm"), (0.0, "0 µm")] {
             assert_eq!(shown(value, "m"), text);

@@ -2,16 +2,20 @@
 
 import os
 import re
+from pathlib import Path
 
 import pytest
 from conftest import SCHEMA
+
+#: The description of the project's own axis.
+OWN_AXIS = Path(__file__).parents[2] / "axis.toml"
 
 #: As `cargo xtask test --all python` asks.
 LONG = os.environ.get("PRESLIDE_LONG") == "1"
 
 #: What a key of a number ends in: its unit, or a percentage.
 UNIT = re.compile(
-    r"(^|_)(N|Nm|m|rad|s|Hz|kg|kg_m2|m_s|rad_s|N_per_m|Nm_per_rad|N_s_per_m|Nm_s_per_rad|N_per_m_s|m_per_N|N2_per_s|per_s|deg"
+    r"(^|_)(N|Nm|m|rad|s|Hz|K|kg|kg_m2|m_s|rad_s|N_per_m|Nm_per_rad|N_s_per_m|Nm_s_per_rad|N_per_m_s|m_per_N|N2_per_s|per_s|deg"
     r"|seconds|bytes|percent|nmse|cycles_mean|cycles_worst|m_per_cycle)$|^nmse_"
 )
 
@@ -45,7 +49,7 @@ def test_every_number_has_its_unit():
         "simulate {model} --ramp 0,1,0,0.5,-1@0.01",
         "simulate {model} --force {short}",
         "simulate {model} --reference {short} --controller {gains}",
-        "tune {model} --cpu all --count 25nm --resonance 300Hz",
+        "tune {model} --cpu all --count 25nm --resonance 300Hz --axis {own_axis}",
         "diagnose {short}",
         "diagnose {short} --model {wrong} --experiment {motion}",
         "diagnose {twin} --simulated force_sim_N",
@@ -76,7 +80,7 @@ def files(axis, folder):
         paths[name].write_text(text)
     axis_files = {name: axis / f"{name}.csv" for name in ("short", "recording")}
     outputs = {name: folder / f"{name}_made.csv" for name in ("motion", "fleet", "source")}
-    return paths | axis_files | outputs | {"model": axis / "model.toml"}
+    return paths | axis_files | outputs | {"model": axis / "model.toml", "own_axis": OWN_AXIS}
 
 
 def twin(recording):

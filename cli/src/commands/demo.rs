@@ -47,7 +47,7 @@ impl Demo {
         let found = self.identify(&recording)?;
         let before = &found.best().model;
         let (diagnosis, after) = self.diagnose(&recording, before)?;
-        let exported = self.export(trial, &after)?;
+        let exported = self.export(trial, &after, &recording)?;
         let truth = known(trial).map_err(|reason| anyhow!(reason))?;
         let run = |model| anyhow::Ok(follow(trial, model)?);
         let story = Story {
@@ -93,8 +93,9 @@ impl Demo {
         explain!("{}", story.diagnosis.budget_text(story.recording));
         explain!("{}", story.diagnosis.recommendation(story.recording));
         say!(
-            "\n4. preslide export {} --kernel auto --count {:e}\n",
+            "\n4. preslide export {} --recording {} --kernel auto --count {:e}\n",
             file("extended.toml"),
+            file("recording.csv"),
             story.trial.axis.encoder.count
         );
         say!(
@@ -148,13 +149,19 @@ impl Demo {
     }
 
     /// Source for the firmware, with the kernel that `preslide tune` recommends for the core that this project's boards have.
-    fn export(&self, trial: &Trial, model: &Model) -> Result<Choice, Failure> {
+    fn export(
+        &self,
+        trial: &Trial,
+        model: &Model,
+        recording: &Recording,
+    ) -> Result<Choice, Failure> {
         let rate = trial.axis.hardware.rate_hz.into();
         let (costs, budget) = plan(DEFAULT, None, rate, SHARE).map_err(|reason| anyhow!(reason))?;
         let tuning = of_model(model, trial.axis.encoder.count, &costs, budget);
         let choice = tuning.and_then(Tuning::chosen).map_err(Failure::Data)?;
         let options = export::Options {
             remarks: vec![choice.said(DEFAULT)],
+            reached: export::reached(model, recording).map_err(|reason| anyhow!(reason))?,
             kernel: Some(choice.kernel),
             ..export::Options::default()
         };

@@ -1,7 +1,9 @@
 //! `preslide diagnose`.
 
 use super::outputs::is_stdout;
-use super::{Failure, OutputArgs, RecordingArgs, command_line, in_words, thin, write_text};
+use super::{
+    Failure, OutputArgs, RecordingArgs, command_line, in_words, thin, write_model, write_text,
+};
 use clap::Args;
 use preslide_fit::model::Model;
 use preslide_fit::progress::Progress;
@@ -165,7 +167,7 @@ impl Diagnose {
         let mut next = self.next(found.verdict);
         if self.simulated.is_empty() {
             for path in &self.output {
-                next = write_extended(path, &found, &recording)?;
+                next = write_extended(path, &found, &recording, &self.recordings)?;
             }
         } else {
             self.write_correction(&found, &recording)?;
@@ -216,9 +218,7 @@ impl Diagnose {
             (Verdict::MissingPhysics | Verdict::ParametersDiffer, _) => {
                 format!("{again} -o extended.toml")
             }
-            (Verdict::Consistent, Some(model)) => {
-                format!("preslide export {} -o stage_model.rs", model.display())
-            }
+            (Verdict::Consistent, Some(model)) => self.recordings.export(model, &[]),
             (Verdict::Consistent, None) => {
                 let identify = self.recordings.command("identify", None);
                 format!("{identify} -o model.toml")
@@ -330,6 +330,7 @@ fn write_extended(
     path: &Path,
     found: &Diagnosis,
     recording: &Recording,
+    files: &RecordingArgs,
 ) -> Result<String, Failure> {
     let extended = found.extended_model(recording);
     if !extended.replaces.is_empty() {
@@ -350,14 +351,9 @@ fn write_extended(
         found.verdict_words(recording),
     ];
     remarks.extend(recording.per_unit());
-    write_text(path, &extended.model.to_toml(&remarks))?;
+    write_model(path, &extended.model.to_toml(&remarks))?;
     let useless = preslide_host::export::refused(&extended.model);
-    let without: String = useless
-        .iter()
-        .map(|(id, _)| format!(" --without {id}"))
-        .collect();
-    Ok(format!(
-        "preslide export {}{without} -o stage_model.rs",
-        path.display()
-    ))
+    let without = useless.iter();
+    let without = without.flat_map(|(id, _)| ["--without".to_owned(), (*id).to_owned()]);
+    Ok(files.export(path, &without.collect::<Vec<_>>()))
 }

@@ -11,8 +11,10 @@ use preslide_fit::report::figures::quantity;
 use preslide_fit::simulate::force_of_motion;
 use preslide_host::cost::DEFAULT;
 use preslide_host::export::joint::{Format, Joint};
-use preslide_host::export::{Options, c_source, reduced, rust_source, sha256};
-use preslide_host::tune::of_model;
+use preslide_host::export::{
+    Bound, Options, Reached, bounds, c_source, reached, reduced, rust_source, sha256,
+};
+use preslide_host::tune::{TOO_COARSE, counting, counting_note, of_model, too_coarse};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -30,7 +32,8 @@ pub struct Export {
     #[arg(long, value_name = "ID")]
     without: Vec<String>,
 
-    /// Bound on each force that grows with speed or position, in N or N·m [default: ten times the breakaway force]
+    /// Bound on each force that grows with speed or position, in N or N·m [default: ten times the
+    /// breakaway force, or twice the largest on --recording, whichever is more]
     #[arg(long, value_name = "FORCE")]
     limit: Option<f64>,
 
@@ -67,7 +70,7 @@ pub struct Export {
     #[arg(long, conflicts_with = "limit")]
     usd: bool,
 
-    /// Recording to name in the source by its hash, with the error of the exported model on it; may be repeated
+    /// Recording to name in the source by its hash, with the error of the exported model on it, and to take bounds from; may be repeated
     #[arg(long, value_name = "REC")]
     recording: Vec<PathBuf>,
 
@@ -139,34 +142,41 @@ impl Export {
         for id in &self.without {
             remarks.push(format!("Left out by request: {id}."));
         }
+        let mut seen = Vec::new();
         for path in &self.recording {
             let exported = joint.as_ref().map_or(&model, |joint| &joint.model);
-            remarks.push(self.error_on(exported, path)?);
+            remarks.push(self.error_on(exported, path, &mut seen)?);
         }
         if let Some(joint) = joint {
             self.write(&joint.to_text(&remarks))?;
             for clause in &joint.left_out {
                 tell!("Not in the joint: {clause}.");
             }
-            return self.write_json(remarks, None, &joint.left_out);
+            return self.write_json(remarks, None, &joint.left_out, &[]);
         }
         let kernel = self.kernel(&model, &mut remarks)?;
         let in_counts = |kernel: Kernel| kernel.arithmetic() == Arithmetic::I16F16;
         let needs_count = self.lang == Lang::C && kernel.is_some_and(in_counts);
         let count = needs_count.then(|| count_of(self.count.as_ref(), &model, &self.model));
+        let count = count.transpose()?;
+        if let Some(count) = count {
+            check_counts(&model, count, &mut remarks)?;
+        }
         let options = Options {
             remarks,
             limit: self.limit,
+            reached: seen,
             rate: self.rate.or(kernel.is_some().then_some(RATE_HZ)),
-            count: count.transpose()?,
+            count,
             kernel,
         };
+        let bounds = bounds(&model, &options).map_err(in_file)?;
         if let Some((source, header)) = self.output.as_ref().zip(header) {
             let name = source.file_stem().unwrap_or_default().to_string_lossy();
             let c = c_source(&model, &options, &name).map_err(in_file)?;
             write_text(source, &c.source)?;
             write_text(&header, &c.header)?;
-            self.write_json(options.remarks, kernel, &[])?;
+            self.write_json(options.remarks, kernel, &[], &bounds)?;
             if let Some(rate) = c.rate.filter(|_| self.rate.is_none()) {
                 tell!(
                     "{name}_step is for {} kHz; --rate gives another.",
@@ -180,7 +190,7 @@ impl Export {
             return Ok(());
         }
         self.write(&rust_source(&model, &options).map_err(in_file)?)?;
-        self.write_json(options.remarks, kernel, &[])?;
+        self.write_json(options.remarks, kernel, &[], &bounds)?;
         let place = self
             .output
             .as_deref()
@@ -201,6 +211,7 @@ impl Export {
                 let count = count_of(self.count.as_ref(), model, &self.model)?;
                 let (costs, budget) = plan(&self.cpu, None, self.rate.unwrap_or(RATE_HZ), SHARE)
                     .map_err(Failure::Input)?;
+                check_counts(model, count, &mut Vec::new())?;
                 let tuning = of_model(model, count, &costs, budget).map_err(Failure::Input)?;
                 let choice = tuning.chosen().map_err(|reason| {
                     Failure::Data(format!(
@@ -251,13 +262,17 @@ impl Export {
         asked.map(|(_, format)| format)
     }
 
-    /// What was exported, where that is asked for: the remarks of the source, its kernel, and what a joint cannot hold.
+    /// Where bounds cut, and what was exported, where that is asked for: the remarks of the source, its kernel, what a joint cannot hold.
     fn write_json(
         &self,
         remarks: Vec<String>,
         kernel: Option<Kernel>,
         not_held: &[String],
+        bounds: &[Bound],
     ) -> Result<(), Failure> {
+        for bound in bounds {
+            tell!("{}.", bound.said_with_remedy());
+        }
         let Some(path) = &self.json else {
             return Ok(());
         };
@@ -265,6 +280,7 @@ impl Export {
         let answer = json!({
             "schema": "preslide.export/1", "model": name(&self.model), "format": self.format().map_or(language, Format::name),
             "output": self.output, "kernel": kernel.map(Kernel::name), "without": self.without, "not_held": not_held, "remarks": remarks,
+            "bounds": bounds.iter().map(Bound::to_json).collect::<Vec<_>>(),
         });
         outputs::write_json(path, &answer)
     }
@@ -280,12 +296,18 @@ impl Export {
         }
     }
 
-    /// What a recording says of the model, as a sentence.
-    fn error_on(&self, model: &Model, path: &Path) -> Result<String, Failure> {
+    /// What a recording says of the model, as a sentence; what its bounded terms reach there goes to `seen`.
+    fn error_on(
+        &self,
+        model: &Model,
+        path: &Path,
+        seen: &mut Vec<Reached>,
+    ) -> Result<String, Failure> {
         let bytes =
             std::fs::read(path).map_err(|e| Failure::Input(format!("{}: {e}", path.display())))?;
         let recording = self.reading.load(&[path.to_owned()], Needs::Motion)?;
         let found = force_of_motion(model, &recording).map_err(Failure::Input)?;
+        seen.extend(reached(model, &recording).map_err(Failure::Input)?);
         let error = match found.agreement {
             Some(agreement) => format!(
                 "NMSE {:.4} %, RMS error {}",
@@ -300,6 +322,22 @@ impl Export {
             sha256(&bytes)
         ))
     }
+}
+
+/// Says what counts (m or rad) take from the model, on the terminal and among the remarks.
+///
+/// # Errors
+/// Counts so coarse that its friction is not seen.
+fn check_counts(model: &Model, count: f64, remarks: &mut Vec<String>) -> Result<(), Failure> {
+    let (lost, unit) = (counting(&model.friction, count), model.motion.unit());
+    if lost > TOO_COARSE {
+        return Err(Failure::Data(too_coarse(lost, count, unit)));
+    }
+    if let Some(note) = counting_note(lost, count, unit) {
+        tell!("Note: {note}.");
+        remarks.push(format!("Note: {note}."));
+    }
+    Ok(())
 }
 
 /// The file's name without its folder, which is of no use elsewhere.

@@ -1,7 +1,7 @@
 //! `preslide identify`.
 
 use super::{
-    Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, quoted, thin, write_text,
+    Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, quoted, thin, write_model,
 };
 use clap::Args;
 use preslide_fit::identify::family::Family;
@@ -113,7 +113,7 @@ impl Identify {
 
         let refused = found.refused();
         if let Some(path) = self.output.as_ref().filter(|_| refused.is_none()) {
-            write_text(path, &model_text(&found, &recording))?;
+            write_model(path, &model_text(&found, &recording))?;
         }
         let seconds = start.elapsed().as_secs_f64();
         self.outputs
@@ -160,7 +160,7 @@ impl Identify {
             let mut remarks = vec![format!("identified from the motion of {}", recording.name)];
             remarks.push(found.conclusion(&recording));
             remarks.extend(recording.per_unit());
-            write_text(path, &found.model.to_toml(&remarks))?;
+            write_model(path, &found.model.to_toml(&remarks))?;
         }
         let seconds = start.elapsed().as_secs_f64();
         let page = || found.page(&recording, command_line());
@@ -224,7 +224,7 @@ impl Identify {
         explain!("{}", found.recommendation());
         if let Some(path) = &self.output {
             let model = found.model().map_err(Failure::Data)?;
-            write_text(path, &model.to_toml(&found.remarks()))?;
+            write_model(path, &model.to_toml(&found.remarks()))?;
         }
         let seconds = start.elapsed().as_secs_f64();
         let page = || found.page(command_line());

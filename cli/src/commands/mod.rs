@@ -17,7 +17,7 @@ pub mod tune;
 
 use crate::heard::arguments;
 use clap::Args;
-pub use outputs::write_text;
+pub use outputs::{write_model, write_text};
 use preslide_axis::AxisFile;
 use preslide_drive::quantity::{self, Quantity};
 use preslide_fit::identify::Options;
@@ -89,7 +89,8 @@ impl From<anyhow::Error> for Failure {
 /// Which axis.
 #[derive(Args, Clone, Debug)]
 pub struct AxisArgs {
-    /// The description of the axis [default: what PRESLIDE_AXIS names, or else, but for a plan, the project's own axis.toml]
+    /// The description of the axis [default: what PRESLIDE_AXIS names, or else, but for a plan and an observer,
+    /// the project's own axis.toml]
     #[arg(long, value_name = "AXIS.toml")]
     axis: Option<PathBuf>,
 }
@@ -133,6 +134,11 @@ impl RecordingArgs {
     /// Another command on the same files, as [`ReadingArgs::command`].
     pub fn command(&self, name: &str, model: Option<&Path>) -> String {
         self.reading.command(name, &self.recordings, model)
+    }
+
+    /// The command that exports a model, as [`ReadingArgs::export`].
+    pub fn export(&self, model: &Path, more: &[String]) -> String {
+        self.reading.export(&self.recordings, model, more)
     }
 
     /// Makes sure that the outputs can be written and overwrite neither a recording nor the model.
@@ -229,16 +235,38 @@ impl ReadingArgs {
     pub fn command(&self, name: &str, recordings: &[PathBuf], model: Option<&Path>) -> String {
         let command = ["preslide", name].map(str::to_owned).into_iter();
         let files = recordings.iter().map(|file| file.display().to_string());
+        let model = model.iter();
+        let model = model.flat_map(|path| ["--model".to_owned(), path.display().to_string()]);
+        in_words(command.chain(files).chain(self.arguments()).chain(model))
+    }
+
+    /// The command that exports a model with what these recordings say of it, `more` behind the model's file.
+    pub fn export(&self, recordings: &[PathBuf], model: &Path, more: &[String]) -> String {
+        let start = [
+            "preslide".to_owned(),
+            "export".to_owned(),
+            model.display().to_string(),
+        ];
+        let files = recordings.iter();
+        let files = files.flat_map(|file| ["--recording".to_owned(), file.display().to_string()]);
+        let output = ["-o".to_owned(), "stage_model.rs".to_owned()];
+        in_words(
+            (start.into_iter().chain(more.iter().cloned()))
+                .chain(files)
+                .chain(self.arguments())
+                .chain(output),
+        )
+    }
+
+    /// How recordings are read, as arguments.
+    fn arguments(&self) -> impl Iterator<Item = String> {
         let maps = self.map.iter();
         let maps = maps.flat_map(|(to, from)| ["--map".to_owned(), format!("{to}={from}")]);
         let sign = self.sign.iter();
         let sign = sign.flat_map(|sign| ["--sign".to_owned(), sign.to_string()]);
         let ignored = self.ignore.iter();
         let ignored = ignored.flat_map(|column| ["--ignore".to_owned(), column.clone()]);
-        let model = model.iter();
-        let model = model.flat_map(|path| ["--model".to_owned(), path.display().to_string()]);
-        let read = maps.chain(sign).chain(ignored);
-        in_words(command.chain(files).chain(read).chain(model))
+        maps.chain(sign).chain(ignored)
     }
 
     /// Loads one recording of many, without a word.

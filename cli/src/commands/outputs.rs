@@ -166,6 +166,21 @@ pub fn write_json(path: &Path, answer: &serde_json::Value) -> Result<(), Failure
     write_text(path, &format!("{answer:#}\n"))
 }
 
+/// Writes a model and says so, and that it is TOML where its name says otherwise.
+///
+/// # Errors
+/// The reason, with the path.
+pub fn write_model(path: &Path, text: &str) -> Result<(), Failure> {
+    write_text(path, text)?;
+    if path.extension().is_some_and(|ending| ending != "toml") {
+        tell!(
+            "{} is a model in TOML, whatever its name ends in.",
+            path.display()
+        );
+    }
+    Ok(())
+}
+
 /// Writes a text file and says so; `-` is standard output.
 ///
 /// # Errors

@@ -52,15 +52,16 @@ pub struct WishArgs {
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     travel: Option<Quantity>,
 
-    /// Largest speed: 2mm/s [default: half of the axis's limit, if it is known]
+    /// Largest speed: 2mm/s, or 90deg/s or 15rpm with --rotary [default: half of the axis's limit, if it is known]
     #[arg(long, value_name = "SPEED", value_parser = speed)]
     speed: Option<Quantity>,
 
-    /// Largest acceleration: 0.1m/s2 [default: half of the axis's limit, if it is known]
+    /// Largest acceleration: 0.1m/s2, or 720deg/s2 with --rotary [default: half of the axis's limit, if it is known]
     #[arg(long, value_name = "ACCELERATION", value_parser = acceleration)]
     acceleration: Option<Quantity>,
 
-    /// Smallest stroke between two reversals; some dozens of encoder counts [default: a thousandth of the travel]
+    /// Least stroke between two reversals, some dozens of encoder counts; strokes shrink by 0.55, so the smallest is up to 1.8 times
+    /// that [default: a thousandth of the travel]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     smallest: Option<Quantity>,
 

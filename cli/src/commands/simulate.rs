@@ -107,7 +107,10 @@ impl Simulate {
                 Some(path) =>
                     self.reading
                         .command("diagnose", std::slice::from_ref(path), Some(&self.model)),
-                None => format!("preslide export {} -o stage_model.rs", self.model.display()),
+                None => {
+                    let motion: Vec<PathBuf> = self.motion.iter().cloned().collect();
+                    self.reading.export(&motion, &self.model, &[])
+                }
             }
         );
         Ok(())

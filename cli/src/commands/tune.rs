@@ -1,8 +1,8 @@
 //! `preslide tune`.
 
 use super::{
-    AxisArgs, Failure, OutputArgs, ReadingArgs, SplitArgs, command_line, in_words, of_axis,
-    outputs, parse_clock, parse_frequency, thin,
+    AxisArgs, Failure, OutputArgs, ReadingArgs, SplitArgs, command_line, of_axis, outputs,
+    parse_clock, parse_frequency, thin,
 };
 use clap::Args;
 use preslide_drive::quantity::{self, Quantity};
@@ -13,8 +13,8 @@ use preslide_fit::recording::Needs;
 use preslide_fit::report::Page;
 use preslide_host::cost::{CORES, Core, CostTable, DEFAULT};
 use preslide_host::tune::cores::{Comparison, OnCore, budget_on};
-use preslide_host::tune::observer::{DEMANDS, Known, Proposal, propose};
-use preslide_host::tune::{Budget, Choice, Tuning, of_model, of_recording};
+use preslide_host::tune::observer::{DEMANDS, Known, Proposal, propose, take_mass};
+use preslide_host::tune::{Budget, Choice, TOO_COARSE, Tuning, of_model, of_recording};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -64,7 +64,7 @@ pub struct Tune {
     #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_length)]
     count: Option<Quantity>,
 
-    /// First mode of the drive (rotor against load): propose an observer's gains too; needs a Maxwell-slip model
+    /// First mode of the drive (rotor against load): propose an observer's gains too; needs a Maxwell-slip model and --axis
     #[arg(long, value_name = "FREQUENCY", value_parser = parse_frequency)]
     resonance: Option<f64>,
 
@@ -138,6 +138,20 @@ pub fn parse_percent(text: &str) -> Result<f64, String> {
     }
 }
 
+/// What is said of an observer.
+struct Observed {
+    /// Where its numbers come from.
+    note: String,
+    /// Its gains, or why there are none.
+    proposal: Result<Proposal, String>,
+}
+
+impl Observed {
+    fn outcome(&self) -> Result<(), String> {
+        self.proposal.as_ref().map(|_| ()).map_err(Clone::clone)
+    }
+}
+
 impl Tune {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
@@ -176,29 +190,50 @@ impl Tune {
                 tunings.push(tuning.map_err(Failure::Data)?);
             }
         }
-        if self.cpu == ALL {
+        let blocks = if self.cpu == ALL {
             self.compare(tunings, observer, start)
         } else {
             tunings
                 .into_iter()
                 .try_for_each(|tuning| self.present(&tuning, observer, start))
+        };
+        // The blocks have their answer without an observer, which is a question of its own.
+        let observer = observer.map_or(Ok(()), Observed::outcome);
+        match (blocks, observer) {
+            (Err(Failure::Data(blocks)), Err(observer)) => {
+                Err(Failure::Data(format!("{blocks}\n{observer}")))
+            }
+            (Err(blocks), _) => Err(blocks),
+            (Ok(()), observer) => observer.map_err(Failure::Data),
         }
     }
 
     /// The observer's gains, where a resonance is given.
-    fn observer(&self, model: &Model, count: f64) -> Result<Option<Proposal>, Failure> {
+    fn observer(&self, model: &Model, count: f64) -> Result<Option<Observed>, Failure> {
         let Some(mode_hz) = self.resonance else {
             return Ok(None);
         };
-        let file = self.axis.read()?;
-        let mut axis = file.axis();
+        let Some(file) = self.axis.chosen() else {
+            return Err(Failure::Input(
+                "--resonance: an observer's gains follow from the gains, the motor and the limits of your axis; name its description with --axis AXIS.toml or PRESLIDE_AXIS (copy axis.toml from the root of the project and replace its numbers, those marked first)".to_owned(),
+            ));
+        };
+        let file = file.display().to_string();
+        let mut axis = self.axis.read()?.axis();
+        let in_model =
+            |reason: String| Failure::Input(format!("{}: {reason}", self.model.display()));
+        let note = take_mass(&mut axis, model, &file).map_err(in_model)?;
         axis.encoder.count = count;
         let known = Known {
             noise: self.noise.as_ref().map_or(0.0, |noise| noise.value),
             mode_damping: self.damping,
-            ..Known::of_model(model, mode_hz).map_err(Failure::Input)?
+            ..Known::of_model(model, mode_hz).map_err(in_model)?
         };
-        (propose(&axis, &known, &DEMANDS).map(Some)).map_err(Failure::Data)
+        let proposal = propose(&axis, &known, &DEMANDS);
+        Ok(Some(Observed {
+            note,
+            proposal: proposal.map_err(|reason| format!("{file}: {reason}")),
+        }))
     }
 
     /// JSON and page, with the observer where there is one.
@@ -206,18 +241,22 @@ impl Tune {
         &self,
         mut json: serde_json::Value,
         page: impl FnOnce() -> Page,
-        observer: Option<&Proposal>,
+        observer: Option<&Observed>,
     ) -> Result<(), Failure> {
-        if let Some(proposal) = observer {
+        let proposal = observer.and_then(|observer| observer.proposal.as_ref().ok());
+        if let Some(proposal) = proposal {
             explain!("{}", proposal.table().to_text());
             json["observer"] = proposal.to_json();
         }
         self.outputs.write(&json, || {
             let mut page = page();
-            page.sections.extend(observer.map(Proposal::section));
+            page.sections.extend(proposal.map(Proposal::section));
             page
         })?;
-        if let Some(proposal) = observer {
+        if let Some(observer) = observer {
+            explain!("{}.", observer.note);
+        }
+        if let Some(proposal) = proposal {
             explain!("{}.", proposal.recommendation());
         }
         Ok(())
@@ -241,16 +280,14 @@ impl Tune {
             let identify = self.reading.command("identify", &self.recording, None);
             return format!("{identify} --blocks {} -o model.toml", chosen.cost.blocks);
         }
-        let model = self.model.display().to_string();
-        let (kernel, file) = (chosen.kernel.name(), "stage_model.rs");
-        let words = ["preslide", "export", &model, "--kernel", kernel, "-o", file];
-        in_words(words.map(str::to_owned).into_iter())
+        let kernel = ["--kernel", chosen.kernel.name()].map(str::to_owned);
+        self.reading.export(&[], &self.model, &kernel)
     }
 
     fn present(
         &self,
         tuning: &Tuning,
-        observer: Option<&Proposal>,
+        observer: Option<&Observed>,
         start: Instant,
     ) -> Result<(), Failure> {
         explain!("{}", tuning.table().to_text());
@@ -275,7 +312,7 @@ impl Tune {
     fn compare(
         &self,
         tunings: Vec<Tuning>,
-        observer: Option<&Proposal>,
+        observer: Option<&Observed>,
         start: Instant,
     ) -> Result<(), Failure> {
         let on = |(core, tuning)| OnCore { core, tuning };
@@ -291,6 +328,12 @@ impl Tune {
         self.write(comparison.to_json(seconds), page, observer)?;
         if comparison.fits() {
             return Ok(());
+        }
+        // Counts are too coarse for every core, and no rate or budget mends that.
+        let coarse = comparison.cores.iter().map(|on| &on.tuning);
+        let mut coarse = coarse.filter(|tuning| tuning.counting > TOO_COARSE);
+        if let Some(Err(reason)) = coarse.next().map(|tuning| &tuning.recommended) {
+            return Err(Failure::Data(reason.clone()));
         }
         Err(Failure::Data(
             "nothing fits on any core; lower --rate or allow more --budget".to_owned(),

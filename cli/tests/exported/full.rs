@@ -1,5 +1,6 @@
 // Written by `preslide export`; do not edit, export again. As a module: `#[rustfmt::skip] mod …;`.
 // Model full.toml, SHA-256 12ced9cd524ee6379b088358b4608a4919a6c9a76938658f5c2a35c5c5049b2b.
+// Force bound 9.00 N (ten times the breakaway force) cuts viscous above 750 mm/s; --limit raises the bound, --recording REC takes it from your motion.
 
 /// `breakaway_N` of `gms`.
 pub const GMS_BREAKAWAY_N: f64 = 0.9;

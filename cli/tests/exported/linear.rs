@@ -1,6 +1,8 @@
 // Written by `preslide export`; do not edit, export again. As a module: `#[rustfmt::skip] mod …;`.
 // Model linear.toml, SHA-256 669a7ef1c2f724c8dd7b1f52441bd6daf5bf52e7d016fab97561bb8446f8eaff.
 // Model: identified from a test.
+// Force bound 9.00 N (ten times the breakaway force) cuts viscous above 750 mm/s, viscous_asymmetry above 9.00 m/s, quadratic_drag above 474 mm/s, position_spring beyond ±750 mm of its centre; --limit raises the bound, --recording REC takes it from your motion.
+// Bound of temperature and load 0.500 of the friction level cuts thermal_drift beyond ±50.0 K of its temperature, load_dependent_friction beyond ±50.0 N of its load; --recording REC takes it from your motion.
 
 #[allow(dead_code)] // for the settings of the feed-forward
 /// `mass_kg` of the moving part.

@@ -233,6 +233,20 @@ fn to_linear_keys(value: &mut toml::Value, path: &str) -> Result<(), String> {
 /// Largest model file (bytes); those of this tool have some thousands.
 const MOST_BYTES: u64 = 1 << 20;
 
+/// What to do with a file that is none.
+const NO_MODEL: &str = "a model is what `preslide identify RECORDING -o model.toml` writes";
+
+/// The reason why a text is no TOML; of a table, what it was taken for.
+fn no_toml(text: &str, error: &toml::de::Error) -> String {
+    let mut lines = text.lines().map(str::trim);
+    let first = lines.find(|line| !line.is_empty() && !line.starts_with('#'));
+    let is_table = |line: &str| line.contains([',', ';', '\t']) && !line.contains('=');
+    match first.is_some_and(is_table) {
+        true => format!("this is a table, such as a recording, and no model; {NO_MODEL}"),
+        false => error.to_string(),
+    }
+}
+
 /// The text of a model file, which has an end.
 ///
 /// # Errors
@@ -241,7 +255,11 @@ pub fn read(path: &FilePath) -> std::io::Result<String> {
     use std::io::Read;
     let mut text = String::new();
     let file = std::fs::File::open(path)?;
-    let bytes = file.take(MOST_BYTES + 1).read_to_string(&mut text)? as u64;
+    let bytes = file.take(MOST_BYTES + 1).read_to_string(&mut text);
+    let bytes = bytes.map_err(|error| match error.kind() {
+        std::io::ErrorKind::InvalidData => std::io::Error::other(format!("no text; {NO_MODEL}")),
+        _ => error,
+    })? as u64;
     if bytes > MOST_BYTES {
         return Err(std::io::Error::other(format!(
             "more than {MOST_BYTES} bytes, which no model file has"
@@ -338,7 +356,7 @@ impl Model {
     /// # Errors
     /// The reason, for a person to read.
     pub fn parse(text: &str) -> Result<Self, String> {
-        let table: toml::Table = toml::from_str(text).map_err(|e| e.to_string())?;
+        let table: toml::Table = toml::from_str(text).map_err(|e| no_toml(text, &e))?;
         let motion = match table.get("motion").and_then(toml::Value::as_str) {
             Some("linear") => MotionKind::Linear,
             Some("rotary") => MotionKind::Rotary,

@@ -7,7 +7,7 @@ use super::names::{Names, Source};
 use super::propose::{propose, quoted, without_unit};
 use super::units::{SECOND, Unit};
 use super::words::{is_day, quantity, split, stamp_in_parts};
-use super::{EffortRole, MotionKind, Needs, Warning, qualified};
+use super::{EffortRole, MotionKind, Needs, Warning, alone};
 use std::cmp::Ordering;
 
 /// What to read from a file and what it means.
@@ -215,7 +215,7 @@ fn by_unit(
     let is_claimed = |slot: Slot| {
         sources.iter().any(|s| s.known.slot == slot) || taken.iter().any(|t| t.1.slot == slot)
     };
-    let more = qualified::taken(names, open, is_claimed);
+    let more = alone::taken(names, open, is_claimed);
     let mut taken: Vec<_> = taken.iter().filter(|t| alone(t)).copied().collect();
     taken.extend(more);
     let said: Vec<String> = taken

@@ -11,6 +11,7 @@ macro_rules! warning {
     };
 }
 
+mod alone;
 mod balance;
 mod checks;
 mod clock;

@@ -21,7 +21,11 @@ fn number(value: f64) -> String {
 }
 
 /// A value and how far it may be off, to two figures of that, in the prefix that suits the larger: `5.0002 ± 0.0011 mm`.
+/// One without end, or one that only rounding left, is left out.
 pub fn within(value: f64, reach: f64, unit: &str) -> String {
+    if !tells(value, reach) {
+        return quantity(value, unit);
+    }
     let shown = display_unit(unit, value.abs().max(reach));
     let reach = reach * shown.factor;
     let decimals = decimals(reach);
@@ -32,7 +36,7 @@ pub fn within(value: f64, reach: f64, unit: &str) -> String {
 /// A value with its interval, where it has one: `5.0002 ± 0.0011 mm`, or, where one side is half as long again as the other, `0.41 (0.05 to 1.30) N`.
 pub fn estimate(value: f64, interval: Option<[f64; 2]>, unit: &str) -> String {
     const UNEVEN: f64 = 1.5;
-    let Some([low, high]) = interval else {
+    let Some([low, high]) = interval.filter(|ends| tells(value, 0.5 * (ends[1] - ends[0]))) else {
         return quantity(value, unit);
     };
     let (below, above) = (value - low, high - value);
@@ -77,11 +81,20 @@ pub fn ends(from: f64, to: f64, unit: &str) -> (String, String, String) {
 
 /// A value and its interval times `factor`, for the cells of a table: to two figures of the interval's half, or three without one.
 pub fn cells(value: f64, interval: Option<[f64; 2]>, factor: f64) -> [String; 3] {
-    let Some([low, high]) = interval else {
+    let Some([low, high]) = interval.filter(|ends| tells(value, 0.5 * (ends[1] - ends[0]))) else {
         return [number(value * factor), "–".to_owned(), "–".to_owned()];
     };
     let decimals = decimals(0.5 * (high - low) * factor);
     [value, low, high].map(|v| fixed(v * factor, decimals))
+}
+
+/// Whether it tells anything that a value may be off so far: rounding is no uncertainty, and 0 ± 0 was never measured.
+fn tells(value: f64, reach: f64) -> bool {
+    /// Of a value; what a fit on doubles leaves of an exact one.
+    const ROUNDING: f64 = 1e-9;
+    /// Of nothing, which has no size of its own.
+    const DUST: f64 = 1e-12;
+    reach.is_finite() && reach > (ROUNDING * value.abs()).max(DUST)
 }
 
 /// Decimals of two figures of how far a value may be off.
@@ -183,6 +196,23 @@ mod tests {
             (-1.0, 1.0, "rad/s", "between −1.00 and 1.00 rad/s"),
         ] {
             assert_eq!(between(from, to, unit), told);
+        }
+    }
+
+    #[test]
+    fn an_interval_that_only_rounding_left_is_none() {
+        for (value, reach, told) in [
+            (0.0, 0.0, "0 N"),
+            (25.0, 0.0, "25.0 N"),
+            (25.0, 1e-12, "25.0 N"),
+            (0.0, 1e-14, "0 N"),
+            (25.0, 1e-6, "25.0000000 ± 0.0000010 N"),
+        ] {
+            assert_eq!(within(value, reach, "N"), told);
+            let ends = Some([value - reach, value + reach]);
+            assert_eq!(estimate(value, ends, "N"), told);
+            let is_one = told.contains('±');
+            assert_eq!(cells(value, ends, 1.0)[1] != "–", is_one, "{told}");
         }
     }
 

@@ -11,7 +11,7 @@ use crate::effects::Effect;
 use crate::friction::FrictionModel;
 use crate::model::{Measured, Model};
 use crate::recording::{EffortRole, MotionKind, Recording};
-use crate::report::figures::significant;
+use crate::report::figures::{quantity, significant};
 use crate::signal::Kinematics;
 use crate::statistics::nmse;
 
@@ -116,6 +116,7 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
         "Velocity and acceleration by a zero-phase low-pass at {:.1} Hz, chosen from the position's noise",
         filter.cutoff_hz()
     )];
+    notes.extend(at_the_ends(recording, &kinematics));
     if !recording.effort.is_empty() {
         notes.extend(recording.per_unit().map(|per| match model.effort_unit {
             Some(_) => per,
@@ -141,6 +142,26 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
         following: None,
         breakaway: None,
         notes,
+    })
+}
+
+/// What is not known at the ends of a motion that does not rest there.
+fn at_the_ends(recording: &Recording, kinematics: &Kinematics) -> Option<String> {
+    /// Share of the top speed below which the noise of an encoder is taken for a rest.
+    const RESTS: f64 = 0.02;
+    let speeds = &kinematics.velocity;
+    let top = speeds.iter().fold(0.0, |top: f64, v| top.max(v.abs()));
+    let moves = |piece: &std::ops::Range<usize>| {
+        let ends = [piece.start, piece.end.saturating_sub(1)];
+        ends.iter()
+            .any(|&i| speeds.get(i).is_some_and(|v| v.abs() > RESTS * top))
+    };
+    let reach = kinematics.filter.reach(recording) as f64 * recording.sample_time_s();
+    recording.pieces.iter().any(moves).then(|| {
+        format!(
+            "The motion begins or ends moving: velocity and acceleration are uncertain within {} of there, and friction begins without tension, which it had",
+            quantity(reach, "s")
+        )
     })
 }
 

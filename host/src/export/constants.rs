@@ -1,16 +1,11 @@
 //! The parameters of a model as named constants, alike in every language.
 
 use super::Options;
+use super::bound::bounds;
+use super::terms::{carried, numbered};
 use preslide_fit::effects::Effect;
-use preslide_fit::effects::form::{self, Argument};
+use preslide_fit::effects::form::Argument;
 use preslide_fit::model::Model;
-
-/// Most by which a measured temperature or load may change the friction level of an exported model (-).
-const LEVEL_LIMIT: f64 = 0.5;
-
-/// The bound of forces that grow with speed or position, in breakaway forces, where none is given: far above what the
-/// terms give on a healthy axis, and below what a drive could take for a fault.
-const BREAKAWAYS: f64 = 10.0;
 
 /// The constants of the two bounds.
 pub(super) const FORCE_BOUND: &str = "FORCE_LIMIT";
@@ -25,36 +20,62 @@ pub(super) struct Constant {
     pub(super) value: f64,
 }
 
-/// What stands beside the friction model in a controller: the viscous term, the constant force, the effects.
-pub fn carried(model: &Model) -> Vec<Effect> {
-    let mut effects = Vec::new();
-    if model.viscous != 0.0 {
-        effects.push(Effect::of(&form::VISCOUS, &[model.viscous]));
+/// A key of a linear axis as a name in exported source: in the words of the model's axis and, where its forces are none, in their unit.
+/// A load is a force on any axis.
+pub(super) fn name_of(model: &Model, key: &str) -> String {
+    let key = model.key(key);
+    let Some(unit) = model
+        .effort_unit
+        .filter(|_| !key.ends_with("load_N") && !key.ends_with("_per_N"))
+    else {
+        return key;
+    };
+    let length = model.motion.unit();
+    let in_unit = |(ending, instead): &(&str, String)| {
+        let stem = key.strip_suffix(ending)?;
+        Some(format!("{stem}{instead}"))
+    };
+    let inertias = [("mass_kg", "mass"), ("inertia_kg_m2", "inertia")]
+        .map(|(ending, name)| (ending, format!("{name}_{unit}_s2_per_{length}")));
+    if let Some(name) = inertias.iter().find_map(in_unit) {
+        return name;
     }
-    if model.constant_force != 0.0 {
-        effects.push(Effect::of(&form::CONSTANT_FORCE, &[model.constant_force]));
-    }
-    effects.extend(model.effects.iter().cloned());
-    effects
+    let parts = key.split('_').map(|part| match part {
+        "N" | "Nm" => unit.to_owned(),
+        "N2" | "Nm2" => format!("{unit}2"),
+        part => part.to_owned(),
+    });
+    parts.collect::<Vec<_>>().join("_")
 }
 
-/// The same, each with a name of its own: the second of an id has a 2 behind it.
-pub(super) fn numbered(effects: &[Effect]) -> impl Iterator<Item = (String, &Effect)> {
-    effects.iter().enumerate().map(|(i, effect)| {
-        let before = effects[..i].iter().filter(|e| e.id() == effect.id());
-        match before.count() {
-            0 => (effect.id().to_owned(), effect),
-            n => (format!("{}_{}", effect.id(), n + 1), effect),
-        }
-    })
+/// What stands beside a model file's key, whose N is none.
+fn in_unit(model: &Model) -> String {
+    let unit = model
+        .effort_unit
+        .map(|unit| format!(", whose N is {unit} (effort_unit)"));
+    unit.unwrap_or_default()
+}
+
+/// The unit of the model's forces, as comments have it.
+pub(super) fn effort_of(model: &Model) -> &'static str {
+    match model.effort().unit() {
+        "Nm" => "N m",
+        unit => unit,
+    }
 }
 
 /// The inertia of the moving part, where the model has one.
 pub(super) fn inertia(model: &Model) -> Option<Constant> {
     let key = model.key("mass_kg");
     (model.inertia > 0.0).then(|| Constant {
-        name: key.to_uppercase(),
-        said: format!("`{key}` of the moving part"),
+        name: name_of(model, "mass_kg").to_uppercase(),
+        said: match model.effort_unit {
+            Some(unit) => format!(
+                "`{key}` of the moving part, in {unit} s^2/{} (effort_unit)",
+                model.motion.unit()
+            ),
+            None => format!("`{key}` of the moving part"),
+        },
         value: model.inertia,
     })
 }
@@ -96,10 +117,10 @@ pub(super) fn of_friction(model: &Model) -> Vec<Constant> {
     let scalars = model.friction.scalars().into_iter();
     scalars
         .map(|(key, value)| {
-            let key = model.key(key);
+            let (key, name) = (model.key(key), name_of(model, key));
             Constant {
-                name: format!("{kind}_{key}").to_uppercase(),
-                said: format!("`{key}` of `{kind}`"),
+                name: format!("{kind}_{name}").to_uppercase(),
+                said: format!("`{key}` of `{kind}`{}", in_unit(model)),
                 value,
             }
         })
@@ -112,10 +133,10 @@ pub(super) fn of_effect(model: &Model, effect: &Effect, id: &str) -> Vec<Constan
     let values = effect.values[..single].iter();
     values
         .map(|(key, value)| {
-            let key = model.key(key);
+            let (key, name) = (model.key(key), name_of(model, key));
             Constant {
-                name: named(&key, id),
-                said: format!("`{key}` of `{}`", effect.id()),
+                name: named(&name, id),
+                said: format!("`{key}` of `{}`{}", effect.id(), in_unit(model)),
                 value: *value,
             }
         })
@@ -131,42 +152,33 @@ pub(super) fn named(key: &str, id: &str) -> String {
     }
 }
 
-/// The bounds that `effects` need.
+/// The bounds that the model needs, as constants.
 ///
 /// # Errors
-/// One that is needed and can be taken from nowhere.
-pub(super) fn bounds(
-    model: &Model,
-    effects: &[Effect],
-    options: &Options,
-) -> Result<Vec<Constant>, String> {
-    let needed = |bound: Argument| {
-        let constructors = effects.iter().flat_map(|e| &e.form.controller);
-        constructors.flat_map(|c| c.more).any(|a| *a == bound)
-    };
-    let mut bounds = Vec::new();
-    if needed(Argument::ForceLimit) {
-        let breakaway = model.friction.breakaway();
-        let limit = options.limit.or(breakaway.map(|f| BREAKAWAYS * f));
-        let limit = limit.filter(|l| l.is_finite() && *l > 0.0).ok_or_else(|| {
-            let why = match breakaway {
-                Some(_) => "",
-                None => "; this model has no breakaway force to take it from",
-            };
-            format!("--limit: give the bound of each force that grows with speed or position, above zero (N or N·m){why}")
-        })?;
-        bounds.push(Constant {
-            name: FORCE_BOUND.to_owned(),
-            said: "Bound of each force that grows with speed or position (N or N·m)".to_owned(),
-            value: limit,
-        });
-    }
-    if needed(Argument::LevelLimit) {
-        bounds.push(Constant {
-            name: LEVEL_BOUND.to_owned(),
-            said: "Most by which temperature or load may change the friction level (-)".to_owned(),
-            value: LEVEL_LIMIT,
-        });
-    }
-    Ok(bounds)
+/// As of [`bounds`].
+pub(super) fn of_bounds(model: &Model, options: &Options) -> Result<Vec<Constant>, String> {
+    let bounds = bounds(model, options)?.into_iter();
+    let constant = bounds.map(|bound| {
+        let (name, said) = match bound.of {
+            Argument::ForceLimit => (
+                FORCE_BOUND,
+                "Bound of each force that grows with speed or position",
+            ),
+            _ => (
+                LEVEL_BOUND,
+                "Most by which temperature or load may change the friction level",
+            ),
+        };
+        let unit = match (bound.of, model.effort_unit) {
+            (Argument::ForceLimit, None) => "N or N·m",
+            (Argument::ForceLimit, Some(unit)) => unit,
+            _ => "-",
+        };
+        Constant {
+            name: name.to_owned(),
+            said: format!("{said} ({unit})"),
+            value: bound.value,
+        }
+    });
+    Ok(constant.collect())
 }

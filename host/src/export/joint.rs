@@ -88,7 +88,7 @@ impl Joint {
         }
         let mut left_out = Vec::new();
         let holds = format.holds();
-        let (rest, coulomb) = levels(model, &holds, &mut left_out)?;
+        let (mut rest, coulomb) = levels(model, &holds, &mut left_out)?;
         let unit = effort(model);
         if coulomb == 0.0 && model.constant_force != 0.0 {
             return Err(format!(
@@ -115,6 +115,11 @@ impl Joint {
         }
         let mut held = Vec::new();
         for effect in &model.effects {
+            if let Some(level) = at_rest(effect).filter(|_| holds.rest) {
+                rest += level * coulomb;
+                left_out.push(at_once(effect, model.motion));
+                continue;
+            }
             // USD's drive is a spring, which pulls, or the user's own controller, which a bound is for.
             let pushes = effect.is(&form::POSITION_SPRING) && effect.get("stiffness_N_per_m") < 0.0;
             let is_taken = format == Format::Usd && (pushes || !held.is_empty());
@@ -302,6 +307,24 @@ fn levels(model: &Model, holds: &Holds, left_out: &mut Vec<String>) -> Result<(f
     Ok((breakaway.max(coulomb), coulomb))
 }
 
+/// By how much (-) the level at rest is above that of sliding, which such an effect falls to with speed.
+fn at_rest(effect: &Effect) -> Option<f64> {
+    let falls = effect.is(&form::STRIBECK) || effect.is(&form::FRICTIONAL_LAG);
+    falls
+        .then(|| effect.get("level"))
+        .filter(|level| *level > 0.0)
+}
+
+/// What a level at rest leaves out of an effect that makes it.
+fn at_once(effect: &Effect, motion: MotionKind) -> String {
+    format!(
+        "{}: the level at rest has it, but not the fall to that of sliding with speed ({} {}/s): it comes at once",
+        effect.id(),
+        effect.get("velocity_m_s"),
+        motion.unit()
+    )
+}
+
 /// What is lost with an effect, and where it could go.
 fn words(effect: &Effect, unit: &str) -> String {
     let id = effect.id();
@@ -318,6 +341,8 @@ fn words(effect: &Effect, unit: &str) -> String {
         "most of the friction may be in it; the fit of the force (`preslide identify` without --criterion) has none"
     } else if effect.is(&form::COULOMB_ASYMMETRY) {
         "the friction is the mean of both directions"
+    } else if at_rest(effect).is_some() {
+        "the friction is that of sliding, and the level at rest has no place in the format"
     } else if effect.is(&form::POSITION_SPRING) || effect.is(&form::ACTUATOR_SATURATION) {
         "the format has no place for it, or one for either a spring or a bound"
     } else {
@@ -415,6 +440,57 @@ mod tests {
             text.contains("float drive:angular:physics:maxForce = 1.5"),
             "{text}"
         );
+    }
+
+    /// 2 N in sliding and 3 N at rest, by any law or effect that says so: USD has both levels, the others say what they leave out.
+    #[test]
+    fn every_level_at_rest_is_held_or_said() {
+        let of_law = |kind: &str, more: &str| {
+            format!(
+                "kind = \"{kind}\"\nbreakaway_N = 3.0\ncoulomb_N = 2.0\nstribeck_velocity_m_s = 0.01\nstribeck_exponent = 2.0\n{more}"
+            )
+        };
+        let bristle = "stiffness_N_per_m = 1e5\ndamping_N_s_per_m = 10.0\n";
+        let gms = "kind = \"gms\"\nbreakaway_N = 2.0\nblocks = [{ stiffness_N_per_m = 1e5, weight = 1.0 }]\n";
+        let effect = |id: &str| {
+            format!(
+                "{gms}[[effects]]\nid = \"{id}\"\nlevel = 0.5\nvelocity_m_s = 0.01\nexponent = 2.0\n"
+            )
+        };
+        for law in [
+            of_law("lugre", bristle),
+            of_law("elasto_plastic", &format!("{bristle}elastic_m = 1e-5\n")),
+            of_law(
+                "two_state",
+                "attraction_N_per_s = 50.0\npresliding_m = 1e-5\n",
+            ),
+            effect("stribeck"),
+            effect("frictional_lag") + "time_constant_s = 0.02\n",
+        ] {
+            let text =
+                format!("schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\n{law}");
+            let usd = self::joint(&text, Format::Usd);
+            for level in ["static", "dynamic"].into_iter().zip([3, 2]) {
+                let line = format!(
+                    "physxJointAxis:linear:{}FrictionEffort = {}\n",
+                    level.0, level.1
+                );
+                assert!(
+                    usd.to_text(&[]).contains(&line),
+                    "{line}: {}",
+                    usd.to_text(&[])
+                );
+            }
+            assert!(
+                usd.left_out.iter().any(|c| c.contains("at once")),
+                "{:?}",
+                usd.left_out
+            );
+            for format in [Format::Mjcf, Format::Urdf] {
+                let lost = self::joint(&text, format).left_out.join("\n");
+                assert!(lost.contains("level at rest"), "{lost}");
+            }
+        }
     }
 
     #[test]

@@ -3,19 +3,23 @@
 //! The Rust source names everything by its full path, so it can be a file module or be `include!`d. The type is generic over
 //! the number type; `f32` is the default.
 
+mod bound;
 mod c;
 mod constants;
 pub mod joint;
 mod source;
+mod terms;
 
+pub use bound::{Bound, Reached, bounded_terms, bounds, reached};
 pub use c::{C, c_source};
-pub use constants::{carried, layout, parameters};
+pub use constants::{layout, parameters};
 use preslide_fit::friction::Visitor;
 use preslide_fit::kernel::Kernel;
 use preslide_fit::model::Model;
 pub use preslide_fit::model::{reduced, refused};
 use sha2::Digest as _;
 pub use source::rust_source;
+pub use terms::carried;
 
 /// SHA-256 in hexadecimal, to name a recording by its bytes: the same figure as `sha256sum`.
 pub fn sha256(bytes: &[u8]) -> String {
@@ -27,14 +31,25 @@ pub fn sha256(bytes: &[u8]) -> String {
 pub struct Options {
     /// Comments at the head: where the model comes from.
     pub remarks: Vec<String>,
-    /// Bound on each force that grows with speed or position (N or N·m); ten times the breakaway force without it.
+    /// Bound on each force that grows with speed or position (N or N·m); without it ten times the breakaway force, or twice what a term
+    /// has on a recording, the larger of the two.
     pub limit: Option<f64>,
+    /// What the terms with a bound have on recordings.
+    pub reached: Vec<Reached>,
     /// Ticks per second (Hz) of C code in which time plays a part; Rust's takes them when the model is built.
     pub rate: Option<f64>,
     /// Length of an encoder count (m or rad), for C in whole numbers.
     pub count: Option<f64>,
     /// The form of a Maxwell-slip model's law; without it, the one that takes every model, in `f32`.
     pub kernel: Option<Kernel>,
+}
+
+/// The remarks at the head, with the bounds and where they cut.
+fn remarks(model: &Model, options: &Options) -> Result<Vec<String>, String> {
+    let mut remarks = options.remarks.clone();
+    let bounds = bounds(model, options)?.into_iter();
+    remarks.extend(bounds.map(|bound| format!("{}.", bound.said_with_remedy())));
+    Ok(remarks)
 }
 
 /// The kernel for the model, if one is requested.

@@ -1,11 +1,14 @@
 //! How many blocks, in which arithmetic: accuracy against cycles.
 
 pub mod cores;
+mod counts;
 pub mod observer;
 mod present;
 mod recommend;
 #[cfg(test)]
 mod tests;
+
+pub use counts::{TOO_COARSE, counting, counting_note, too_coarse};
 
 use crate::cost::{Cost, CostTable, WholeTick};
 use crate::export::{carried, refused};
@@ -59,10 +62,13 @@ impl Choice {
     /// Kernel, cycles and flash in a sentence, on the core of that name.
     pub fn said(&self, core: &str) -> String {
         let whole = self.tick.map_or(String::new(), |tick| {
-            format!(" of the {:.0} that a whole control tick takes", tick.mean)
+            format!(
+                " (the whole control tick with it: {:.0}, and {:.0} at worst)",
+                tick.mean, tick.worst
+            )
         });
         format!(
-            "Kernel {} ({}) for {core}: {:.0} cycles a tick{whole}, {:.0} at worst; {:.0} bytes of flash, effects included.",
+            "Kernel {} ({}) for {core}: {:.0} cycles a tick on average, {:.0} at worst{whole}; {:.0} bytes of flash, effects included.",
             self.kernel.name(),
             self.kernel.description(),
             self.cost.cycles_mean,
@@ -93,6 +99,8 @@ pub struct Tuning {
     pub origin: String,
     /// Whether a recording decided the accuracy.
     pub recorded: bool,
+    /// What the encoder's counts alone take from the model, see [`counting`] (NMSE, %).
+    pub counting: f64,
 }
 
 impl Tuning {
@@ -299,11 +307,13 @@ fn tuning(
         budget,
     };
     let mut notes = effects_notes(&effects, &refused, costs);
-    notes.extend(unseen_note(
-        &with_effects.friction,
-        motion.count,
-        with_effects.motion.unit(),
-    ));
+    let unit = with_effects.motion.unit();
+    notes.extend(unseen_note(&with_effects.friction, motion.count, unit));
+    let largest = models
+        .iter()
+        .map(|sized| counting(&sized.model.friction, motion.count));
+    let counting = largest.fold(0.0, f64::max);
+    notes.extend(counting_note(counting, motion.count, unit));
     let (mut choices, mut without) = (Vec::new(), Vec::new());
     for sized in models {
         for tried in bench.choices(sized)? {
@@ -317,7 +327,11 @@ fn tuning(
     notes.extend(without_kernel(&without));
     notes.extend(cycles_notes(&choices));
     Ok(Tuning {
-        recommended: recommend(&choices, budget, found),
+        recommended: match counting > TOO_COARSE {
+            true => Err(too_coarse(counting, motion.count, unit)),
+            false => recommend(&choices, budget, found),
+        },
+        counting,
         choices,
         notes,
         budget,

@@ -86,6 +86,7 @@ impl Tuning {
             "reason": self.recommendation(),
             "budget": { "clock_Hz": self.budget.clock, "rate_Hz": self.budget.rate, "share": self.budget.share },
             "cost_table": self.origin,
+            "counting_percent": self.counting,
             "warnings": self.notes,
             "seconds": seconds,
         })

@@ -53,12 +53,11 @@ fn fitting(choices: &[Choice], budget: Budget) -> Result<Vec<&Choice>, String> {
     if cheapest.share > budget.share {
         let name = cheapest.kernel.name();
         return Err(format!(
-            "nothing fits: the cheapest, {name} with N = {}, takes {} of the processor, the budget is {}; lower --rate to {:.0} Hz or allow --budget {}",
+            "nothing fits: the cheapest, {name} with N = {}, takes {} of the processor, the budget is {}; {}",
             cheapest.cost.blocks,
             percent(cheapest.share),
             percent(budget.share),
-            (budget.rate * budget.share / cheapest.share).floor(),
-            enough(cheapest.share),
+            remedy(budget, cheapest.share / budget.share, Some(cheapest.share)),
         ));
     }
     let fitting: Vec<&Choice> = choices.iter().filter(|c| c.fits(budget)).collect();
@@ -66,12 +65,31 @@ fn fitting(choices: &[Choice], budget: Budget) -> Result<Vec<&Choice>, String> {
         let shortest = choices.iter().filter_map(|c| c.tick.map(|tick| tick.worst));
         let shortest = shortest.fold(f64::INFINITY, f64::min);
         return Err(format!(
-            "nothing fits: the whole control tick takes {shortest:.0} cycles at worst with the cheapest kernel, and {:.0} lie between two ticks; lower --rate to {:.0} Hz",
+            "nothing fits: the whole control tick takes {shortest:.0} cycles at worst with the cheapest kernel, and {:.0} lie between two ticks; {}",
             budget.clock / budget.rate,
-            (budget.clock / shortest).floor(),
+            remedy(budget, shortest * budget.rate / budget.clock, None),
         ));
     }
     Ok(fitting)
+}
+
+/// What would make room for `times` the cycles that there are, in what an option takes: no rate of no controller, no share above the whole.
+fn remedy(budget: Budget, times: f64, share: Option<f64>) -> String {
+    /// No controller is slower (Hz).
+    const SLOWEST: f64 = 100.0;
+    let rate = (budget.rate / times).floor();
+    let slower = (rate >= SLOWEST).then(|| format!("lower --rate to {rate:.0} Hz"));
+    let more = share.filter(|share| *share <= 1.0);
+    let more = more.map(|share| format!("allow --budget {}", enough(share)));
+    let remedies: Vec<String> = slower.into_iter().chain(more).collect();
+    match remedies.is_empty() {
+        false => remedies.join(" or "),
+        true => format!(
+            "a --clock of {:.3} MHz would do, and {:.3} MHz is given: check its unit",
+            1e-6 * budget.clock * times,
+            1e-6 * budget.clock
+        ),
+    }
 }
 
 /// A budget that holds a share, as it is typed: no less when it is rounded.

@@ -104,6 +104,55 @@ fn a_kernel_whose_range_the_model_leaves_is_left_out_with_the_reason() {
     );
 }
 
+/// A count that is short beside the blocks' yields, 5 and 39 µm, takes nothing; one of their size is said; one far longer is refused, though no
+/// arithmetic rounds on it.
+#[test]
+fn counts_longer_than_the_blocks_are_said_and_then_refused() {
+    let costs = CostTable::of_cpu("cortex-m4").unwrap();
+    for (count, least, most, note) in [
+        (25e-9, 0.0, 1.0, false),
+        (4e-6, 2.0, 44.0, true),
+        (1e-3, 90.0, 500.0, true),
+    ] {
+        let tuning = of_model(&model(TWO), count, &costs, budget(0.05)).unwrap();
+        let lost = tuning.counting;
+        assert!((least..most).contains(&lost), "{count}: {lost} %");
+        let said = tuning.notes.iter().any(|n| n.contains("counts"));
+        assert_eq!(said, note, "{count}: {:?}", tuning.notes);
+        let refused = lost > super::TOO_COARSE;
+        assert_eq!(tuning.recommended.is_err(), refused, "{count}");
+        if let Err(reason) = tuning.recommended {
+            assert!(reason.contains("--count 1.00 mm"), "{reason}");
+        }
+    }
+}
+
+/// What is named can be typed: no rate of 0 Hz, no budget above the processor.
+#[test]
+fn a_clock_in_the_wrong_unit_is_said_to_be_one() {
+    let costs = CostTable::of_cpu("cortex-m4").unwrap();
+    let slow = |clock| {
+        let budget = Budget {
+            clock,
+            ..budget(0.05)
+        };
+        of_model(&model(TWO), 25e-9, &costs, budget)
+            .unwrap()
+            .recommended
+            .unwrap_err()
+    };
+    let reason = slow(1e3);
+    assert!(
+        reason.contains("0.001 MHz is given: check its unit"),
+        "{reason}"
+    );
+    let reason = slow(20e6);
+    assert!(
+        reason.contains("lower --rate to") && !reason.contains("unit"),
+        "{reason}"
+    );
+}
+
 #[test]
 fn a_model_without_blocks_is_refused() {
     let text = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\nkind = \"coulomb\"\ncoulomb_N = 0.9\n";

@@ -52,12 +52,15 @@ pub fn page(
     lead.push(found.recommendation(&findings.recording));
     let useless = preslide_host::export::refused(&findings.extended());
     let mut next = format!(
-        "The controller has hysteresis and moving mass. Effects are compiled in: preslide export {} -o stage_model.rs{}, then build the firmware with PRESLIDE_MODEL. \
-         Observer gains are compiled in as well: preslide tune {} --resonance FREQUENCY proposes them for a drive whose first mode is there.",
+        "The controller has hysteresis and moving mass. Effects are compiled in: preslide export {}{}{} -o stage_model.rs, then build the firmware with PRESLIDE_MODEL. \
+         Observer gains are compiled in as well: preslide tune {} --axis AXIS.toml --resonance FREQUENCY proposes them for a drive whose first mode is there.",
         journal.file("extended.toml").display(),
         useless
             .iter()
             .map(|(id, _)| format!(" --without {id}"))
+            .collect::<String>(),
+        (journal.recordings().iter())
+            .map(|file| format!(" --recording {}", file.display()))
             .collect::<String>(),
         journal.file("model.toml").display()
     );

@@ -12,6 +12,7 @@ use preslide_fit::model::{Model, key_of};
 use preslide_fit::recording::MotionKind;
 use preslide_fit::report::{figures, units::name_and_unit};
 use preslide_host::drive::loadable;
+use preslide_host::export::bounded_terms;
 use preslide_link::{GainSettings, Homing, Mark, Mode, Name, Request};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -524,6 +525,16 @@ impl Commanded {
                 "Note: this firmware has four blocks; joining them changes the force by up to {:.1} % of the breakaway force. \
                  Firmware built by `preslide export` and PRESLIDE_MODEL takes all.",
                 100.0 * loaded.deviation
+            );
+        }
+        let bounded = match loaded.blocks {
+            None => bounded_terms(&model),
+            Some(_) => Vec::new(),
+        };
+        if !bounded.is_empty() {
+            say!(
+                "Note: the bounds of {} stay those that the firmware was compiled with (FORCE_LIMIT, LEVEL_LIMIT of its source), whatever is loaded.",
+                bounded.join(", ")
             );
         }
         if !loaded.left_out.is_empty() {

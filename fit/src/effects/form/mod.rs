@@ -107,7 +107,7 @@ const fn built(
 }
 
 /// An argument of a constructor that is no parameter.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Argument {
     /// The bound of a force that grows with speed or position.
     ForceLimit,

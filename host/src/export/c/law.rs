@@ -57,7 +57,10 @@ impl Law {
             ),
             beyond(16),
             (
-                "A unit of force (N or N m)",
+                match model.effort_unit {
+                    Some(_) => "A unit of force, in the model's effort_unit",
+                    None => "A unit of force (N or N m)",
+                },
                 "FORCE",
                 literal(2_f64.powi(-force)),
             ),

@@ -9,8 +9,9 @@ mod step;
 mod term;
 mod whole;
 
-use super::constants::{Constant, bounds, carried, numbered, of_friction};
-use super::{Options, fitting, no_refused};
+use super::constants::{Constant, of_bounds, of_friction};
+use super::terms::{carried, numbered};
+use super::{Options, fitting, no_refused, remarks};
 use file::File;
 use law::Law;
 use preslide_fit::kernel::{Arithmetic, Kernel};
@@ -54,12 +55,12 @@ pub fn c_source(model: &Model, options: &Options, name: &str) -> Result<C, Strin
     let step = step::declared(model, law.bounded);
     let code = format!("{}{}", law.code, step::step(model, &terms, &step[0]));
     let mut constants: Vec<Constant> = of_friction(model);
-    constants.extend(bounds(model, &effects, options)?);
+    constants.extend(of_bounds(model, options)?);
     let rate = rate(options, &law, &terms)?;
     let file = File {
         model,
         name,
-        remarks: &options.remarks,
+        remarks: &remarks(model, options)?,
         defines: rate.map_or_else(String::new, of_rate),
         step,
         timed: rate.is_some(),

@@ -1,9 +1,9 @@
 //! The function that runs a tick.
 
 use super::term::Term;
+use crate::export::constants::effort_of;
 use preslide_fit::effects::form::Sum;
 use preslide_fit::model::Model;
-use preslide_fit::recording::MotionKind;
 use std::fmt::Write as _;
 
 /// What is said of a force that is.
@@ -12,10 +12,7 @@ const BOUNDED: &str = " Bounded whatever the input, NAN included.";
 /// `@step`, declared, and what it is.
 pub(super) fn declared(model: &Model, bounded: bool) -> [String; 2] {
     let [dx, v] = ["displacement_m", "velocity_m_s"].map(|k| model.key(k));
-    let [length, force] = match model.motion {
-        MotionKind::Linear => ["m", "N"],
-        MotionKind::Rotary => ["rad", "N m"],
-    };
+    let (length, force) = (model.motion.unit(), effort_of(model));
     let bounded = if bounded { BOUNDED } else { "" };
     [
         format!("float @step(@state *s, float {dx}, float {v})"),

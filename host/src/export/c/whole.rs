@@ -3,7 +3,9 @@
 use super::file::File;
 use super::law::{BLOCKS, Law, SHIFTS, beyond, of_each_block, whole_numbers};
 use super::{C, Options, define, filled, given_rate, literal, of_rate};
-use crate::export::constants::{FORCE_BOUND, bounds};
+use crate::export::bound::bounds;
+use crate::export::constants::{FORCE_BOUND, name_of};
+use crate::export::remarks;
 use preslide::fixed::types::I16F16;
 use preslide::{Scalar, Units, to_scalar};
 use preslide_fit::effects::Effect;
@@ -31,7 +33,7 @@ pub(super) fn c_source(
     if velocity > MOST_PLACES {
         return Err("--count: a count a tick is far faster than where this model's Stribeck curve levels out".to_owned());
     }
-    let (constants, sum) = forces(model, effects, options, &numbers, units)?;
+    let (constants, sum) = forces(model, options, &numbers, units)?;
     let law = law(&numbers, constants);
     let [dx, v] = ["displacement_q16", "velocity_q16"];
     let declared = format!("int32_t @step(@state *s, int32_t {dx}, int32_t {v})");
@@ -54,7 +56,7 @@ pub(super) fn c_source(
     let file = File {
         model,
         name,
-        remarks: &options.remarks,
+        remarks: &remarks(model, options)?,
         defines: of_units(model, units, rate),
         step: [declared, said],
         timed: false,
@@ -108,23 +110,38 @@ fn rate(effects: &[Effect], options: &Options, kernel: Kernel) -> Result<Option<
     given_rate(options, &timed.collect::<Vec<_>>())
 }
 
+/// The bound of viscous friction (N or N·m), where there is one.
+fn limit(model: &Model, options: &Options) -> Result<Option<f64>, String> {
+    let bounds = bounds(model, options)?;
+    Ok(bounds.first().map(|bound| bound.value))
+}
+
 /// What 1 stands for in the numbers that go in and out: a count, a count a tick, and the power of ten of which the breakaway force is 100
-/// to 1000, so that ten times that fits, as does a ten-thousandth.
+/// to 1000, so that ten times that fits, as does a ten-thousandth. A bound or a constant force beyond ten times the breakaway force takes
+/// its place.
 fn units(model: &Model, options: &Options, rate: Option<f64>) -> Result<Units, String> {
     let length = options.count.ok_or(
         "--count: whole numbers count in encoder counts; give the length of one (m or rad)",
     )?;
     let breakaway = model.friction.breakaway().unwrap_or(1.0);
+    let beside = limit(model, options)?
+        .unwrap_or(0.0)
+        .max(model.constant_force.abs());
+    // The default bound is ten times that force but for the last bit, which must not move the power of ten.
+    let largest = match beside > 10.001 * breakaway {
+        true => beside / 10.0,
+        false => breakaway,
+    };
     Ok(Units {
         length,
-        force: 10_f64.powi(breakaway.log10().floor() as i32 - 2),
+        force: 10_f64.powi(largest.log10().floor() as i32 - 2),
         velocity: length * rate.unwrap_or(1.0),
     })
 }
 
 /// The units as constants of the header.
 fn of_units(model: &Model, units: Units, rate: Option<f64>) -> String {
-    let key = |key: &str| format!("@@{}", model.key(key).to_uppercase());
+    let key = |key: &str| format!("@@{}", name_of(model, key).to_uppercase());
     let mut defines = define(
         "Displacement, velocity and force are whole numbers of which so many make 1 of the units below",
         "@@ONE",
@@ -143,8 +160,11 @@ fn of_units(model: &Model, units: Units, rate: Option<f64>) -> String {
         );
         defines += &of_rate(rate);
     }
-    let said = "A force of 1 (N, or N m on a rotary axis)";
-    defines + &define(said, &key("force_N"), &literal(units.force))
+    let said = match model.effort_unit {
+        Some(unit) => format!("A force of 1 ({unit})"),
+        None => "A force of 1 (N, or N m on a rotary axis)".to_owned(),
+    };
+    defines + &define(&said, &key("force_N"), &literal(units.force))
 }
 
 fn law(numbers: &WholeNumbers, constants: String) -> Law {
@@ -239,13 +259,11 @@ fn of_curves(curves: &Curves, velocity: i32) -> String {
 /// One that does not fit.
 fn forces(
     model: &Model,
-    effects: &[Effect],
     options: &Options,
     numbers: &WholeNumbers,
     units: Units,
 ) -> Result<(String, String), String> {
-    let bounds = bounds(model, effects, options)?;
-    let limit = bounds.first().map(|bound| bound.value / units.force);
+    let limit = limit(model, options)?.map(|limit| limit / units.force);
     let constant = model.constant_force / units.force;
     let most = numbers.limit + limit.unwrap_or(0.0) + constant.abs();
     if most >= I16F16::greatest() {

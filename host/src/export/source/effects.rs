@@ -1,9 +1,8 @@
 //! The effects in the source: their parameters and bounds as constants, and the calls that build them.
 
 use super::{Options, Source, Term, literal};
-use crate::export::constants::{
-    FORCE_BOUND, LEVEL_BOUND, bounds, carried, named, numbered, of_effect,
-};
+use crate::export::constants::{FORCE_BOUND, LEVEL_BOUND, named, of_bounds, of_effect};
+use crate::export::terms::{carried, numbered};
 use preslide_fit::effects::Effect;
 use preslide_fit::effects::form::{Argument, Constructor};
 use std::fmt::Write as _;
@@ -11,7 +10,7 @@ use std::fmt::Write as _;
 impl Source<'_> {
     pub(super) fn effects(&mut self, options: &Options) -> Result<(), String> {
         let effects = carried(self.model);
-        for bound in bounds(self.model, &effects, options)? {
+        for bound in of_bounds(self.model, options)? {
             self.constant(&bound);
         }
         for (id, effect) in numbered(&effects) {

@@ -4,7 +4,7 @@ mod effects;
 mod friction;
 
 use super::constants::{Constant, inertia, layout, parameters};
-use super::{Options, fitting, no_refused};
+use super::{Options, fitting, no_refused, remarks};
 use preslide_fit::kernel::{Arithmetic, Kernel};
 use preslide_fit::model::Model;
 use std::fmt::Write as _;
@@ -30,7 +30,10 @@ pub fn rust_source(model: &Model, options: &Options) -> Result<String, String> {
     source.effects(options)?;
 
     let mut text = String::new();
-    for line in options.remarks.iter().flat_map(|remark| remark.lines()) {
+    for line in remarks(model, options)?
+        .iter()
+        .flat_map(|remark| remark.lines())
+    {
         let _ = writeln!(text, "// {}", line.trim_end());
     }
     let _ = writeln!(text, "\n{}", source.constants);

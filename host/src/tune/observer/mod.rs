@@ -13,5 +13,5 @@ pub use machine::Machine;
 pub use margins::{Feedback, Margins};
 pub use proposal::{
     Case, DEMANDS, Demands, Known, Proposal, UNCERTAINTY, UNMODELLED_KG, USUAL_DAMPING, cases,
-    propose,
+    propose, take_mass,
 };

@@ -5,13 +5,24 @@ use preslide_fit::model::keys_of;
 use preslide_fit::report::{Section, Table};
 use serde_json::{Value, json};
 
+/// A number of five digits: of a stage a gain is some 10⁵, of a small joint 1.
+fn five(value: f64) -> f64 {
+    format!("{value:.4e}").parse().unwrap_or(value)
+}
+
 impl Proposal {
     /// What to write into the axis's description and the program.
     pub fn recommendation(&self) -> String {
         let s = &self.settings;
         format!(
-            "Observer: set the integral gain to 0 and build the controller with ObserverSettings {{ position: {:.5}, velocity: {:.3}, disturbance: {:.0}.0, mass: {}, braking: {:.2}, limit: {:?}, top_speed: {:?} }}",
-            s.position, s.velocity, s.disturbance, s.mass, s.braking, s.limit, s.top_speed
+            "Observer: set the integral gain to 0 and build the controller with ObserverSettings {{ position: {:?}, velocity: {:?}, disturbance: {:?}, mass: {:?}, braking: {:?}, limit: {:?}, top_speed: {:?} }}",
+            five(s.position),
+            five(s.velocity),
+            five(s.disturbance),
+            five(s.mass),
+            five(s.braking),
+            s.limit,
+            s.top_speed
         )
     }
 

@@ -6,6 +6,7 @@ use preslide::control::{Axis, ObserverSettings, PidGains};
 use preslide_fit::friction::FrictionModel;
 use preslide_fit::model::Model;
 use preslide_fit::recording::MotionKind;
+use preslide_fit::report::figures::{quantity, significant};
 
 /// What is given beside the axis (SI).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +36,12 @@ const CHANGES_IN: f64 = 0.007;
 
 /// An unknown payload (kg).
 pub const UNMODELLED_KG: f64 = 1.0;
+
+/// The same of an axis that turns, in its own inertia (-): a kilogram is a quarter of the paper's mass.
+const UNMODELLED_SHARE: f64 = 0.25;
+
+/// From which difference on (-) two masses are said to differ.
+const ANOTHER_MASS: f64 = 0.1;
 
 /// From one disturbance's walk to the next that is tried (-): the gains change by a thirtieth.
 const FINER: f64 = 1.25;
@@ -81,7 +88,8 @@ pub struct Case {
     pub machine: Machine,
 }
 
-/// Sliding and sticking, as given and 15 % stiffer and softer; each as it is, with a kilogram more, and with a tick of delay, and both.
+/// Sliding and sticking, as given and 15 % stiffer and softer; each as it is, with a kilogram or a quarter of the inertia more, and with a
+/// tick of delay, and both.
 pub fn cases(axis: &Axis, known: &Known) -> Vec<Case> {
     let contacts = [
         ("slides", 0.0),
@@ -89,14 +97,22 @@ pub fn cases(axis: &Axis, known: &Known) -> Vec<Case> {
         ("sticks, +15 %", 1.0 + UNCERTAINTY),
         ("sticks, −15 %", 1.0 - UNCERTAINTY),
     ];
+    let (heavier, payload) = match known.motion {
+        MotionKind::Linear => (", +1 kg", UNMODELLED_KG),
+        MotionKind::Rotary => (
+            ", +25 % of inertia",
+            UNMODELLED_SHARE * axis.feed_forward.mass,
+        ),
+    };
     let changes = [
-        ("", 0.0, 0),
-        (", +1 kg", UNMODELLED_KG, 0),
-        (", a tick late", 0.0, 1),
-        (", +1 kg, a tick late", UNMODELLED_KG, 1),
+        ("", "", 0.0, 0),
+        (heavier, "", payload, 0),
+        ("", ", a tick late", 0.0, 1),
+        (heavier, ", a tick late", payload, 1),
     ];
-    let case = |(contact, share): &(&str, f64), (change, more, delay): &(&str, f64, u32)| Case {
-        name: format!("{contact}{change}"),
+    let case = |(contact, share): &(&str, f64),
+                (loaded, late, more, delay): &(&str, &str, f64, u32)| Case {
+        name: format!("{contact}{loaded}{late}"),
         machine: Machine {
             mass: axis.feed_forward.mass + more,
             braking: axis.motor.braking(),
@@ -165,6 +181,52 @@ impl Known {
             mode_damping: USUAL_DAMPING,
         })
     }
+}
+
+/// Gives the axis that `file` describes the model's inertia; what is to be said of where the observer's numbers come from.
+///
+/// # Errors
+/// A model of another kind of axis, or whose forces are none.
+pub fn take_mass(axis: &mut Axis, model: &Model, file: &str) -> Result<String, String> {
+    if let Some(unit) = model.effort_unit {
+        return Err(format!(
+            "the model's forces are in {unit} (its effort_unit), and an observer's are in N or N·m; identify it from a force, with --map force_N=K*COLUMN or torque_Nm=K*COLUMN and the drive's constant K"
+        ));
+    }
+    // What a turn of a rotary axis is, in rad.
+    let turns = (axis.motor.screw_lead / std::f64::consts::TAU - 1.0).abs() < 1e-3;
+    if turns != (model.motion == MotionKind::Rotary) {
+        return Err(format!(
+            "the model is {}, and motor.screw_lead of {file} is {}, that of {} axis (a rotary one has 2π = 6.28319 rad); name the description of the model's axis",
+            model.motion.name(),
+            axis.motor.screw_lead,
+            if turns { "a rotary" } else { "a linear" },
+        ));
+    }
+    let unit = match model.motion {
+        MotionKind::Linear => "kg",
+        MotionKind::Rotary => "kg·m²",
+    };
+    let own = axis.feed_forward.mass;
+    let rest = format!(
+        "gains, motor, limits and the rate of {:.0} Hz are those of {file}",
+        1.0 / axis.sample_time()
+    );
+    if model.inertia <= 0.0 {
+        return Ok(format!(
+            "Observer: the model has no inertia, so the moving mass is feed_forward.mass, {own} {unit}; {rest}"
+        ));
+    }
+    axis.feed_forward.mass = model.inertia;
+    let differs = (own / model.inertia - 1.0).abs() > ANOTHER_MASS;
+    let differs = match differs {
+        true => format!(" (feed_forward.mass of {file} is {own} {unit}: correct it)"),
+        false => String::new(),
+    };
+    Ok(format!(
+        "Observer: the moving mass is the model's, {} {unit}{differs}; {rest}",
+        significant(model.inertia)
+    ))
 }
 
 /// The fastest filter that friction's uncertainty asks for and every case bears.
@@ -236,7 +298,17 @@ pub fn propose(axis: &Axis, known: &Known, demands: &Demands) -> Result<Proposal
         belief.walk /= FINER;
     }
     Err(format!(
-        "no observer leaves a gain margin of {}, {}° of phase and a gain of {} at the drive's mode of {:.0} Hz; lower the proportional gain",
-        demands.gain, demands.phase_deg, demands.at_mode, known.mode_hz
+        "no observer leaves a gain margin of {}, {}° of phase and a gain of {} at the drive's mode of {:.0} Hz with the controller's gains.proportional of {}; lower that",
+        demands.gain,
+        demands.phase_deg,
+        demands.at_mode,
+        known.mode_hz,
+        quantity(
+            gains.proportional,
+            match known.motion {
+                MotionKind::Linear => "N/m",
+                MotionKind::Rotary => "N·m/rad",
+            }
+        )
     ))
 }

@@ -1,6 +1,8 @@
-use super::{DEMANDS, Known, propose};
+use super::{DEMANDS, Known, cases, propose, take_mass};
 use crate::paper;
 use preslide::control::{Axis, ObserverSettings};
+use preslide_fit::friction::FrictionModel;
+use preslide_fit::model::Model;
 use preslide_fit::recording::MotionKind;
 
 /// The paper's axis on the simulated stage: ten blocks of Table 3, a mode of 368 Hz damped by 5 %.
@@ -24,6 +26,14 @@ fn the_paper_axis_has_its_proposal_and_margins() {
         assert!(margins.reach(&DEMANDS), "{}: {margins:?}", case.name);
     }
     let (found, kept) = (proposal.settings, ObserverSettings::PAPER_AXIS);
+    // A small joint's gains keep their digits, too.
+    let mut small = proposal.clone();
+    (small.settings.disturbance, small.settings.braking) = (2.6249, 2.5e-5);
+    let words = small.recommendation();
+    assert!(
+        words.contains("disturbance: 2.6249") && words.contains("braking: 2.5e-5"),
+        "{words}"
+    );
     for (name, found, kept) in [
         ("position", found.position, kept.position),
         ("velocity", found.velocity, kept.velocity),
@@ -81,4 +91,52 @@ fn the_mode_decides_how_fast_it_may_be() {
     assert!(walk(600.0, 0.05).expect("it has one") > as_it_is);
     let error = walk(60.0, 0.02).expect_err("a mode at the crossover");
     assert!(error.contains("60 Hz"), "{error}");
+}
+
+/// The mass is the model's, where it has one; what is not of the model's kind of axis or no force is refused.
+#[test]
+fn the_mass_is_the_models_and_the_axis_of_its_kind() {
+    let of = |motion, inertia, effort_unit, screw_lead| {
+        let model = Model {
+            inertia,
+            effort_unit,
+            ..Model::of_friction(motion, FrictionModel::Coulomb { coulomb: 1.0 })
+        };
+        let mut axis = Axis::PAPER_AXIS;
+        axis.motor.screw_lead = screw_lead;
+        take_mass(&mut axis, &model, "my.toml").map(|said| (axis.feed_forward.mass, said))
+    };
+    let (linear, turns) = (MotionKind::Linear, std::f64::consts::TAU);
+    for (inertia, mass, part) in [
+        (
+            12.5,
+            12.5,
+            "12.5 kg (feed_forward.mass of my.toml is 4.05 kg: correct it)",
+        ),
+        (4.2, 4.2, "4.20 kg; gains"),
+        (0.0, 4.05, "no inertia"),
+    ] {
+        let found = of(linear, inertia, None, 2e-3).expect("usable");
+        assert!(found.0 == mass && found.1.contains(part), "{found:?}");
+    }
+    let rotary = of(MotionKind::Rotary, 3e-4, None, turns).expect("usable");
+    assert!(rotary.1.contains("0.000300 kg·m²"), "{rotary:?}");
+    for (refused, part) in [
+        (of(MotionKind::Rotary, 3e-4, None, 2e-3), "is rotary"),
+        (of(linear, 3.0, None, turns), "is linear"),
+        (of(linear, 3.0, Some("A"), 2e-3), "forces are in A"),
+    ] {
+        let reason = refused.expect_err("not usable");
+        assert!(reason.contains(part), "{reason}");
+    }
+    // A kilogram is no payload of what turns.
+    let known = Known {
+        motion: MotionKind::Rotary,
+        ..known()
+    };
+    let heaviest = cases(&Axis::PAPER_AXIS, &known)
+        .into_iter()
+        .map(|case| case.machine.mass);
+    let heaviest = heaviest.fold(0.0, f64::max);
+    assert!((heaviest / 4.05 - 1.25).abs() < 1e-12, "{heaviest}");
 }
