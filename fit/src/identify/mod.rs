@@ -21,6 +21,7 @@ pub mod search;
 mod speed;
 pub mod speed_table;
 pub mod virgin;
+mod wave;
 pub mod weights;
 
 use crate::effects::{Effect, form};
@@ -195,6 +196,8 @@ pub struct Identification {
     pub between: Vec<Change>,
     /// What other laws of friction make of the plain physics, until the intervals reach to it.
     mixture: Option<Mixture>,
+    /// What that made of it beside friction that falls with the speed, where it found any.
+    beside_falling: Option<laws::Parameters>,
 }
 
 /// Warnings of the loader that leave nothing to identify or diagnose, with what would.
@@ -303,6 +306,7 @@ pub fn identify(
         ));
     }
     found.reach_to_other_laws(recording);
+    found.leave_out_intervals(recording);
     Ok(found)
 }
 
@@ -415,6 +419,7 @@ fn fitted(
         channel,
         between,
         mixture: found.mixture,
+        beside_falling: None,
     };
     for candidate in &mut identification.candidates {
         candidate
