@@ -23,6 +23,7 @@ pub mod speed_table;
 pub mod virgin;
 mod wave;
 pub mod weights;
+mod white;
 
 use crate::effects::{Effect, form};
 use crate::friction::FrictionModel;
@@ -198,6 +199,8 @@ pub struct Identification {
     mixture: Option<Mixture>,
     /// What that made of it beside friction that falls with the speed, where it found any.
     beside_falling: Option<laws::Parameters>,
+    /// What the recommended model leaves is noise.
+    leaves_noise: bool,
 }
 
 /// Warnings of the loader that leave nothing to identify or diagnose, with what would.
@@ -420,6 +423,7 @@ fn fitted(
         between,
         mixture: found.mixture,
         beside_falling: None,
+        leaves_noise: false,
     };
     for candidate in &mut identification.candidates {
         candidate
@@ -427,6 +431,7 @@ fn fitted(
             .effects
             .extend(effects_of(&identification.channel));
     }
+    identification.leaves_noise = identification.leaves_white(recording);
     identification.recommendation = identification.recommended_in_words();
     Ok(identification)
 }
