@@ -35,9 +35,12 @@ impl Estimate {
         }
     }
 
-    /// For a value that is positive and was estimated as its logarithm.
+    /// For a value that is positive and was estimated as its logarithm; without an interval where that would say nothing.
     pub fn logarithmic(value: f64, error_of_log: Option<f64>, folds: usize) -> Self {
+        /// A factor of a thousand, up and down.
+        const NOTHING: f64 = 6.9;
         let reach = error_of_log.and_then(|e| Some(e * students_t(folds)?));
+        let reach = reach.filter(|reach| *reach < NOTHING);
         Self {
             value,
             ci95: reach.map(|reach| [value * (-reach).exp(), value * reach.exp()]),
