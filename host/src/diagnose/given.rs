@@ -6,6 +6,7 @@ use super::effect::ALWAYS_FREE;
 use super::modelled::effort_of;
 use super::normal::{Bound, Normal};
 use super::null_model::{Hypothesis, Nmse, NullModel};
+use super::smooth::SmoothLaw;
 use super::term::{Subject, Term};
 use super::weak::Column;
 use super::without_delay;
@@ -45,6 +46,8 @@ pub struct Given {
     pub parameters: Vec<Refitted>,
     /// The model with its parameters refitted.
     pub model: Model,
+    /// The law of the recording's friction, where it reverses with the speed and the model has another: then nothing is refitted.
+    pub(super) law: Option<SmoothLaw>,
 }
 
 /// A parameter of the model.
@@ -89,6 +92,11 @@ impl Refitted {
         self.part == Part::Delay
     }
 
+    /// Whether it is the level of friction.
+    pub(super) fn is_level(&self) -> bool {
+        self.part == Part::Level
+    }
+
     /// Whether it is wrong, where the refitted model leaves so much (%) and less than `least` (%) is worth nothing.
     fn is_wrong(&self, left: f64, least: f64) -> bool {
         let outside = self
@@ -114,7 +122,12 @@ impl Given {
         let delay = Term::new(Subject::Effect(ALWAYS_FREE), &[]);
         let named = extended.terms.iter().filter(|t| !t.is_delay());
         let beside: Vec<Term> = named.chain([&delay]).cloned().collect();
-        Self::beside(null, &beside, recording, model, allowed)
+        let judged = Self::beside(null, &beside, recording, model, allowed)?;
+        let core = extended.nmse(&null.rows).test;
+        Some(match SmoothLaw::of(null, extended) {
+            Some(law) => law.judge(judged, model, core),
+            None => judged,
+        })
     }
 
     /// Judges a model beside some terms.
@@ -174,6 +187,7 @@ impl Given {
             refitted: Nmse { train, test },
             parameters,
             model,
+            law: None,
         })
     }
 
