@@ -269,3 +269,17 @@ pub fn mean_and_half_width(values: &[f64]) -> [f64; 2] {
     let [mean, error] = mean_and_error(values);
     [mean, if values.len() > 1 { 1.96 * error } else { 0.0 }]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Estimate;
+
+    #[test]
+    fn what_is_not_determined_has_no_interval() {
+        for (error, told) in [(Some(0.1), true), (Some(1e2), false), (None, false)] {
+            let found = Estimate::logarithmic(3.0, error, 12);
+            println!("{error:?}: {found:?}");
+            assert_eq!(found.ci95.is_some(), told);
+        }
+    }
+}
