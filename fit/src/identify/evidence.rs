@@ -1,14 +1,19 @@
 //! Which plain physics a recording shows: each only where it predicts stretches that were held out.
 
-use super::laws::{FALLING, LAW};
 use super::plain::{Place, Plain};
 use super::regression::{Gram, Regressor, Surface};
 use super::search::non_negative;
-use super::wave::WAVE;
 use crate::recording::{MotionKind, Recording};
 use crate::signal::{FEWEST, GROUPS, LATE, ONE_SLOPE_RAD};
 use crate::statistics::mean_and_error;
 use nalgebra::DVector;
+
+/// Name of a column that is the force of a law of friction …
+pub(super) const LAW: &str = "law";
+/// … of one that falls with the speed …
+pub(super) const FALLING: &str = "falling";
+/// … and of a force that is periodic in the position.
+pub(super) const WAVE: &str = "wave";
 
 /// Standard errors of the paired difference over the folds by which an addition must predict better: some ten are tried on every recording.
 const CERTAIN: f64 = 3.0;

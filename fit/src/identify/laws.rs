@@ -6,11 +6,10 @@
 //! all these laws, none with a negative share, is free where blocks are not.
 //! Nor does a log say at which moment between two samples its effort acts: the mixture has that free, too.
 
-use super::evidence::{Evidence, MATERIAL, Shown, is_better};
+use super::evidence::{Evidence, FALLING, LAW, MATERIAL, Shown, WAVE, is_better};
 use super::fit::{shown as name_shown, unit};
 use super::regression::{Gram, Regressor, Surface};
 use super::rigid_body::clustered;
-use super::wave::WAVE;
 use super::{Candidate, Identification};
 use crate::recording::Recording;
 use crate::report::figures::{left, quantity};
@@ -34,11 +33,7 @@ const TURNS: usize = 4;
 /// Share of the way from a law's parameter to what a better law makes of it by which the truth may be further away: the better one is not exact, either.
 const INEXACT: f64 = 0.1;
 
-/// Name of a column that is the force of a law …
-pub(super) const LAW: &str = "law";
-/// … of one that falls with the speed …
-pub(super) const FALLING: &str = "falling";
-/// … and of the one that is the effort's change within a sample.
+/// Name of the column that is the effort's change within a sample.
 const SHIFT: &str = "shift";
 
 /// A law that is linear in its level, which is 1.

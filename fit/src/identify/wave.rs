@@ -1,16 +1,13 @@
 //! A force that is periodic in the position, as a motor's cogging and a screw's error are: no model of `identify` has it, and what it leaves is alike in
 //! neighbouring samples, so that an offset or a friction that differs by direction predicts it by chance.
 
-use super::evidence::Evidence;
-use super::laws::{FALLING, LAW};
+use super::evidence::{Evidence, FALLING, LAW, WAVE};
 use super::plain::{Place, Plain};
 use super::regression::{Regression, Regressor};
 use crate::recording::{MotionKind, Recording};
 use crate::signal::{Kinematics, ONE_SLOPE_RAD, spectra};
 use crate::statistics::LeastSquares;
 
-/// Name of the columns of such a force.
-pub(super) const WAVE: &str = "wave";
 /// Share of the residual's squares that a sine must hold: less bends nothing by more than the folds scatter.
 const HOLDS: f64 = 0.1;
 /// Fewest and most periods in the travel. Fewer are a spring or a weight.

@@ -36,6 +36,11 @@ const WORTH: f64 = 0.1;
 /// The same, of what the model leaves with its parameters refitted: less may be its form's error, which no parameter mends.
 const OF_LEFT: f64 = 1.0;
 
+/// Times what the core leaves that another law must leave at least …
+const WORSE: f64 = 2.0;
+/// … and by so much more (NMSE, %).
+const NOTICED: f64 = 0.1;
+
 /// A model as it stands.
 pub struct Given {
     /// NMSE (%) of the model as it stands: nothing of it is fitted.
@@ -92,9 +97,15 @@ impl Refitted {
         self.part == Part::Delay
     }
 
-    /// Whether it is the level of friction.
-    pub(super) fn is_level(&self) -> bool {
-        self.part == Part::Level
+    /// Its value beside another law.
+    fn beside(&self, law: &SmoothLaw) -> Option<f64> {
+        match self.key.as_str() {
+            key if key.starts_with("mass") || key.starts_with("inertia") => law.inertia,
+            key if key.starts_with("viscous_N") => law.viscous,
+            key if key.starts_with("viscous_half") => None,
+            _ if self.part == Part::Level => Some(law.coulomb),
+            _ => None,
+        }
     }
 
     /// Whether it is wrong, where the refitted model leaves so much (%) and less than `least` (%) is worth nothing.
@@ -125,7 +136,7 @@ impl Given {
         let judged = Self::beside(null, &beside, recording, model, allowed)?;
         let core = extended.nmse(&null.rows).test;
         Some(match SmoothLaw::of(null, extended) {
-            Some(law) => law.judge(judged, model, core),
+            Some(law) => judged.beside_law(law, model, core),
             None => judged,
         })
     }
@@ -189,6 +200,37 @@ impl Given {
             model,
             law: None,
         })
+    }
+
+    /// Whether the model has another law than the core's, which leaves so much (NMSE, %).
+    fn lacks(&self, core: f64) -> bool {
+        let own = self.refitted.test.min(self.stands);
+        own > WORSE * core && own - core > NOTICED
+    }
+
+    /// Of a model with another law than this one: as it stands, with the values that its parameters have beside this.
+    fn beside_law(self, law: SmoothLaw, model: &Model, core: f64) -> Self {
+        if !self.lacks(core) {
+            return self;
+        }
+        let stands = self.stands;
+        let beside = |mut p: Refitted| {
+            if let Some(value) = p.beside(&law) {
+                p.found = Estimate { value, ci95: None };
+            }
+            p.differs = false;
+            p
+        };
+        Self {
+            refitted: Nmse {
+                train: stands,
+                test: stands,
+            },
+            parameters: self.parameters.into_iter().map(beside).collect(),
+            model: model.clone(),
+            law: Some(law),
+            ..self
+        }
     }
 
     /// What the most wrong parameter is worth (NMSE, %), where one is wrong.

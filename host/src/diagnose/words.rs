@@ -8,6 +8,7 @@ use super::hysteresis;
 use super::named::{Name, Named};
 use super::place::{Place, means_over};
 use super::simulation::Correction;
+use super::smooth::SmoothLaw;
 use super::unnamed::Unknown;
 use super::verdict::{Diagnosis, Verdict};
 use preslide_fit::recording::Recording;
@@ -557,5 +558,23 @@ impl Diagnosis {
                 && !hidden(e.id())
                 && (e.confident || !self.is_of_noise(e))
         })
+    }
+
+    /// The law of the recording's friction, where it reverses with the speed.
+    pub(super) fn smooth_law(&self) -> Option<SmoothLaw> {
+        SmoothLaw::of(&self.null, &self.states[1])
+    }
+
+    /// The same, where the user's model, or the fit's, has another.
+    pub(super) fn lacks_law(&self, recording: &Recording) -> Option<SmoothLaw> {
+        match &self.given_model {
+            Some(given) => given.law,
+            None if self.fit.is_some() => {
+                let law = self.smooth_law()?;
+                let written = self.extended_model(recording);
+                written.is_of_another_law.then_some(law)
+            }
+            None => None,
+        }
     }
 }
