@@ -38,6 +38,13 @@ fn model_json_and_report_are_written_and_read_back() {
 
     // Asked for: other sizes.
     preslide(&["identify", &path, "--blocks", "0", "-o", &model]).succeeds();
+    // What `diagnose` would not fit by itself is written first.
+    let run = preslide(&["identify", &path, "--blocks", "0"]);
+    assert!(
+        run.succeeds().out.contains("--blocks 0 -o model.toml"),
+        "{}",
+        run.out
+    );
     assert_eq!(
         Model::load(Path::new(&model))
             .expect("a model file")

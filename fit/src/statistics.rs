@@ -35,9 +35,12 @@ impl Estimate {
         }
     }
 
-    /// For a value that is positive and was estimated as its logarithm.
+    /// For a value that is positive and was estimated as its logarithm; without an interval where that would say nothing.
     pub fn logarithmic(value: f64, error_of_log: Option<f64>, folds: usize) -> Self {
+        /// A factor of a thousand, up and down.
+        const NOTHING: f64 = 6.9;
         let reach = error_of_log.and_then(|e| Some(e * students_t(folds)?));
+        let reach = reach.filter(|reach| *reach < NOTHING);
         Self {
             value,
             ci95: reach.map(|reach| [value * (-reach).exp(), value * reach.exp()]),
@@ -265,4 +268,18 @@ pub fn mean_and_error(values: &[f64]) -> [f64; 2] {
 pub fn mean_and_half_width(values: &[f64]) -> [f64; 2] {
     let [mean, error] = mean_and_error(values);
     [mean, if values.len() > 1 { 1.96 * error } else { 0.0 }]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Estimate;
+
+    #[test]
+    fn what_is_not_determined_has_no_interval() {
+        for (error, told) in [(Some(0.1), true), (Some(1e2), false), (None, false)] {
+            let found = Estimate::logarithmic(3.0, error, 12);
+            println!("{error:?}: {found:?}");
+            assert_eq!(found.ci95.is_some(), told);
+        }
+    }
 }

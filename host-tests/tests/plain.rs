@@ -292,7 +292,7 @@ fn a_hum_above_the_motion_band(seed: u64) {
     assert!((largest / TORQUE - 1.0).abs() < 0.03, "{largest}");
 }
 
-/// Then neither Coulomb nor viscous friction is what it would be by itself.
+/// Then neither Coulomb nor viscous friction is what it would be by itself, and the interval reaches to that.
 #[test]
 fn friction_that_falls_with_the_speed_is_told() {
     for (more, told) in [(0.0, false), (0.3, true)] {
@@ -307,7 +307,7 @@ fn friction_that_falls_with_the_speed_is_told() {
         let notes = found.notes(&recording).concat();
         assert_eq!(notes.contains("at the slowest speeds"), told, "{notes}");
         let holds = (interval[0]..=interval[1]).contains(&0.3);
-        assert_eq!(holds, !told, "{interval:?}");
+        assert!(holds, "{interval:?}");
     }
 }
 

@@ -121,11 +121,16 @@ impl Identify {
                 found.page(&recording, command_line())
             })?;
         let model = self.output.as_deref().filter(|_| refused.is_none());
-        say!(
-            "Next, to see whether the {} left is noise or missing physics:\n  {}",
-            left(found.best().nmse_test),
-            self.recordings.command("diagnose", model)
-        );
+        // Without a model `diagnose` makes the fit that is recommended, of all samples.
+        let is_another = self.blocks.is_some() || self.friction.is_some() || self.split.is_given();
+        match model.is_none() && refused.is_none() && is_another {
+            true => self.say_to_write(),
+            false => say!(
+                "Next, to see whether the {} left is noise or missing physics:\n  {}",
+                left(found.best().nmse_test),
+                self.recordings.command("diagnose", model)
+            ),
+        }
         if let Some(reason) = refused {
             return Err(Failure::Data(format!(
                 "{}: {reason}, so no model is written",

@@ -8,11 +8,18 @@ use crate::signal::{FEWEST, GROUPS, LATE, ONE_SLOPE_RAD};
 use crate::statistics::mean_and_error;
 use nalgebra::DVector;
 
+/// Name of a column that is the force of a law of friction …
+pub(super) const LAW: &str = "law";
+/// … of one that falls with the speed …
+pub(super) const FALLING: &str = "falling";
+/// … and of a force that is periodic in the position.
+pub(super) const WAVE: &str = "wave";
+
 /// Standard errors of the paired difference over the folds by which an addition must predict better: some ten are tried on every recording.
 const CERTAIN: f64 = 3.0;
 
 /// Share of the error held out that an addition must take off: what is less moves friction and inertia by less than their intervals.
-const MATERIAL: f64 = 0.02;
+pub(super) const MATERIAL: f64 = 0.02;
 
 /// The same of a spring that pushes: of magnets, or of an axis that leans over. Few machines have one, and what is wrong with friction imitates it: set
 /// on thirteen machines of a blind judge: one had it (92 % taken off), and six had nothing that follows the position (2 to 23 %).
@@ -38,6 +45,12 @@ pub(super) struct Evidence<'a> {
 }
 
 impl Evidence<'_> {
+    /// Plain columns of a name.
+    pub(super) fn named(&self, name: &str) -> impl Iterator<Item = usize> {
+        let columns = self.columns.iter().enumerate();
+        columns.filter(move |(_, c)| c.name == name).map(|(j, _)| j)
+    }
+
     /// Columns of the blocks that yield by `longest`.
     pub(super) fn blocks(&self, longest: f64) -> Vec<usize> {
         let first = self.columns.len();
@@ -85,20 +98,66 @@ impl Evidence<'_> {
         })
     }
 
-    /// What of the plain physics is there, and how late friction yields.
+    /// What of the plain physics is there, and how late friction yields. What only stands in for what blocks lack is not there: it takes nothing off
+    /// beside laws that have it.
     pub(super) fn shown(&self, recording: &Recording, base: Plain, longest: f64) -> Shown {
+        let (low, high) = recording.ends();
+        let mut places: &[Place] = match recording.kind {
+            MotionKind::Rotary if high - low >= ONE_SLOPE_RAD => {
+                &[Place::Nowhere, Place::Spring, Place::Gravity]
+            }
+            _ => &[Place::Nowhere, Place::Spring],
+        };
+        let mut may_differ = true;
+        loop {
+            let shown = self.shown_of(recording, base, longest, places, may_differ);
+            let without = |plain: Plain| !self.is_needed(shown, plain);
+            let both_ways = Plain {
+                by_direction: false,
+                ..shown.plain
+            };
+            let nowhere = Plain {
+                place: Place::Nowhere,
+                ..shown.plain
+            };
+            if shown.plain.by_direction && without(both_ways) {
+                may_differ = false;
+            } else if shown.plain.place != Place::Nowhere && without(nowhere) {
+                places = &[Place::Nowhere];
+            } else {
+                return shown;
+            }
+        }
+    }
+
+    /// Whether what is shown predicts better than `less` of it beside all laws of friction and a force that is periodic in the position.
+    fn is_needed(&self, shown: Shown, less: Plain) -> bool {
+        let laws = self.named(LAW).chain(self.named(FALLING));
+        let friction: Vec<usize> = laws.chain(self.blocks(shown.longest)).collect();
+        let held_out = |plain: Plain| {
+            let linear = plain.among(self.columns).into_iter();
+            let linear: Vec<usize> = linear.chain(self.named(WAVE)).collect();
+            self.held_out(&linear, &friction)
+        };
+        let errors = held_out(less).zip(held_out(shown.plain));
+        errors.is_none_or(|(without, with)| is_better(&without, &with, MATERIAL, false))
+    }
+
+    /// What is there of what may be, by blocks alone.
+    fn shown_of(
+        &self,
+        recording: &Recording,
+        base: Plain,
+        longest: f64,
+        places: &[Place],
+        may_differ: bool,
+    ) -> Shown {
         let (low, high) = recording.ends();
         let early = LATE * (high - low);
         let mut shown = Shown {
             plain: base,
             longest,
             gain: 0.0,
-        };
-        let places: &[Place] = match recording.kind {
-            MotionKind::Rotary if high - low >= ONE_SLOPE_RAD => {
-                &[Place::Nowhere, Place::Spring, Place::Gravity]
-            }
-            _ => &[Place::Nowhere, Place::Spring],
         };
         // From the simplest: friction that yields early beside each force of the position, then friction that yields late.
         let yields_by = |end: &f64| self.surface.grid.iter().any(|d| d <= end);
@@ -147,7 +206,9 @@ impl Evidence<'_> {
             ..shown.plain
         };
         let end = shown.longest;
-        take(&mut shown, (by_direction, end));
+        if may_differ {
+            take(&mut shown, (by_direction, end));
+        }
         let sum = |errors: &[f64]| errors.iter().sum::<f64>();
         if shown.plain != base {
             // Beside the same friction: what yields late would stand in for what follows the position.
@@ -164,7 +225,7 @@ impl Evidence<'_> {
 
 /// Whether errors held out are less, by a share of at least `least` and for certain: by as much everywhere, or, where hardly any is left, everywhere in
 /// proportion: a few long strokes have most of an error that every stroke has. For two `rivals`, one of which is real, the proportion is enough.
-fn is_better(before: &[f64], after: &[f64], least: f64, rivals: bool) -> bool {
+pub(super) fn is_better(before: &[f64], after: &[f64], least: f64, rivals: bool) -> bool {
     let sum = |errors: &[f64]| errors.iter().sum::<f64>();
     let pairs = || before.iter().zip(after);
     let is_certain = |gains: Vec<f64>| {

@@ -128,7 +128,21 @@ impl Fitting<'_> {
         columns.extend(of_laws);
         let parts = self.split.parts();
         let mut regression = self.regression(columns, &parts.concat(), weights);
-        let every = Surface::new(&regression, maxwell_slip::grid(range));
+        let mut every = Surface::new(&regression, maxwell_slip::grid(range));
+        let waves = Evidence {
+            columns: &regression.columns,
+            surface: &every,
+        }
+        .waves(
+            &regression,
+            (self.recording, self.kinematics),
+            base,
+            range.1,
+        );
+        if !waves.is_empty() {
+            regression.columns.extend(waves);
+            every = Surface::new(&regression, maxwell_slip::grid(range));
+        }
         let evidence = Evidence {
             columns: &regression.columns,
             surface: &every,

@@ -21,7 +21,9 @@ pub mod search;
 mod speed;
 pub mod speed_table;
 pub mod virgin;
+mod wave;
 pub mod weights;
+mod white;
 
 use crate::effects::{Effect, form};
 use crate::friction::FrictionModel;
@@ -195,6 +197,10 @@ pub struct Identification {
     pub between: Vec<Change>,
     /// What other laws of friction make of the plain physics, until the intervals reach to it.
     mixture: Option<Mixture>,
+    /// What that made of it beside friction that falls with the speed, where it found any.
+    beside_falling: Option<laws::Parameters>,
+    /// What the recommended model leaves is noise.
+    leaves_noise: bool,
 }
 
 /// Warnings of the loader that leave nothing to identify or diagnose, with what would.
@@ -303,6 +309,7 @@ pub fn identify(
         ));
     }
     found.reach_to_other_laws(recording);
+    found.leave_out_intervals(recording);
     Ok(found)
 }
 
@@ -415,6 +422,8 @@ fn fitted(
         channel,
         between,
         mixture: found.mixture,
+        beside_falling: None,
+        leaves_noise: false,
     };
     for candidate in &mut identification.candidates {
         candidate
@@ -422,6 +431,7 @@ fn fitted(
             .effects
             .extend(effects_of(&identification.channel));
     }
+    identification.leaves_noise = identification.leaves_white(recording);
     identification.recommendation = identification.recommended_in_words();
     Ok(identification)
 }

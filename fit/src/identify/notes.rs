@@ -243,10 +243,7 @@ impl Identification {
         let blocks = best.size();
         let plural = if blocks == 1 { "" } else { "s" };
         if best.nmse_test.is_nan() || best.nmse_test > UNEXPLAINED {
-            format!(
-                "Use none of these models: the best leaves {} of the variance on held-out data. This effort is not friction: look at the residual against time and position, check the effort's column (--map) and sign (--sign), and record faster or longer strokes.",
-                left(best.nmse_test)
-            )
+            self.unexplained_in_words()
         } else if self.optimal().next().is_none() {
             format!(
                 "Use this fit ({baseline} of the variance left on held-out data) in this direction only; record reversals for a friction model."
@@ -260,6 +257,27 @@ impl Identification {
                 "Use GMS with {blocks} block{plural}: {} of the variance left on held-out data (the best of all sizes leaves {lowest}, Coulomb + viscous {baseline}).",
                 left(best.nmse_test)
             )
+        }
+    }
+
+    /// What to use where the best model leaves most of the effort.
+    fn unexplained_in_words(&self) -> String {
+        let best = self.best();
+        let told = left(best.nmse_test);
+        match (self.leaves_noise, best.nmse_test < NOTHING) {
+            (true, true) => format!(
+                "Use {} with its intervals in mind: {told} of the variance is left on held-out data, but as noise, which changes from sample to sample and which no model predicts. To know more, record for longer, or less noise.",
+                best.model.friction.name()
+            ),
+            (true, false) => format!(
+                "Use none of these models: the best leaves {told} of the variance on held-out data, as noise, which changes from sample to sample. Record for longer, or less noise, or motion that takes more force."
+            ),
+            (false, _) if self.optimal().next().is_none() => format!(
+                "Use none of these models: the best leaves {told} of the variance on held-out data. So little motion in one direction shows no friction: record strokes in both."
+            ),
+            (false, _) => format!(
+                "Use none of these models: the best leaves {told} of the variance on held-out data. This effort is not friction: look at the residual against time and position, check the effort's column (--map) and sign (--sign), and record faster or longer strokes."
+            ),
         }
     }
 
@@ -296,9 +314,15 @@ impl Identification {
         if test.is_nan() || test >= NOTHING {
             return Some("the best model explains nothing of what is held out; record more strokes, or widen --train".to_owned());
         }
-        (test > UNEXPLAINED && test > BY_HEART * train).then(|| {
-            format!("the best model fits its own samples only ({told}); record more of the same motion, or widen --train")
-        })
+        if test > UNEXPLAINED && test > BY_HEART * train {
+            return Some(format!(
+                "the best model fits its own samples only ({told}); record more of the same motion, or widen --train"
+            ));
+        }
+        // A window may show little of the effort that was fitted.
+        let is_windowed = self.split.test.is_some();
+        (test > UNEXPLAINED && !is_windowed && !self.leaves_noise)
+            .then(|| format!("this effort is not friction ({told})"))
     }
 
     /// Why the fit is recommended where blocks that the paper's method reads off the curve leave less.

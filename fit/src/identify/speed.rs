@@ -1,6 +1,7 @@
 //! Whether friction at the slowest speeds is more than Coulomb's and viscous friction together: then both stand for a mean over the speeds.
 
 use super::Identification;
+use super::laws::figures;
 use crate::recording::Recording;
 use crate::report::figures::quantity;
 use crate::statistics::{LeastSquares, mean_and_error, quantile_between_ranks};
@@ -18,7 +19,7 @@ impl Identification {
     /// In words, where it is so.
     pub(super) fn falls_with_speed(&self, recording: &Recording) -> Option<String> {
         let best = self.best();
-        let coulomb = best.rigid_body.iter().find(|p| p.0 == "coulomb")?.1.value;
+        let coulomb = best.rigid_body.iter().find(|p| p.0 == "coulomb")?.1;
         let top = self.velocity.iter().fold(0.0, |t: f64, v| t.max(v.abs()));
         let moves = |i: &usize| self.velocity[*i].abs() > REST * top;
         let parts = self.split.parts().concat();
@@ -44,10 +45,21 @@ impl Identification {
                 let [mean, error] = mean_and_error(&more);
                 (within, mean, mean / error)
             })
-            .filter(|(_, more, clear)| *clear > CLEAR && *more > COUNTS * coulomb)
+            .filter(|(_, more, clear)| *clear > CLEAR && *more > COUNTS * coulomb.value)
             .max_by(|a, b| a.2.total_cmp(&b.2))?;
+        let beside = match (&self.beside_falling, coulomb.ci95) {
+            (Some(own), _) => format!(
+                "beside friction that falls they are {}, and the intervals include that",
+                figures(recording, own)
+            ),
+            (None, Some(_)) => "the true value of each may lie outside its interval".to_owned(),
+            (None, None) => {
+                "how far the true values are away is not known, so that they have no intervals"
+                    .to_owned()
+            }
+        };
         Some(format!(
-            "at the slowest speeds friction exceeds the fit by {}, which fades within about {}: Coulomb and viscous friction are a mean over the speeds here, and the true value of each may lie outside its interval; `preslide diagnose` says what falls with the speed",
+            "at the slowest speeds friction exceeds the fit by {}, which fades within about {}: Coulomb and viscous friction are a mean over the speeds here; {beside}; `preslide diagnose` says what falls with the speed",
             quantity(more, recording.effort_unit()),
             quantity(within, &format!("{}/s", recording.position_unit()))
         ))

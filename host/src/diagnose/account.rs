@@ -167,8 +167,11 @@ impl Diagnosis {
             rows.push(row(what, parameters, "", self.wrong_parameters(recording)));
         }
         if hysteresis >= SEEN * whole {
-            let what = "finer hysteresis".to_owned();
-            rows.push(row(what, hysteresis, "", String::new()));
+            let what = match self.lacks_law(recording) {
+                Some(_) => "friction that reverses with the speed",
+                None => "finer hysteresis",
+            };
+            rows.push(row(what.to_owned(), hysteresis, "", String::new()));
         }
         rows.extend(self.budget.iter().map(|item| {
             let e = &self.effects[item.effect];

@@ -167,7 +167,12 @@ impl Diagnosis {
         /// Times the measured noise up to which what is left is noise.
         const NOISE: f64 = 1.5;
         let unrepeated = self.unrepeated.unwrap_or(0.0);
-        let keep = if self.extended.test <= NOISE * self.noise_floor {
+        let keep = if self.lacks_law(recording).is_some() {
+            format!(
+                "keep the {} above the speeds over which friction reverses; below them no law that a model file has is the machine's.",
+                self.model_word()
+            )
+        } else if self.extended.test <= NOISE * self.noise_floor {
             format!("keep the {}; what is left is noise.", self.model_word())
         } else if self.extended.test <= NOISE * (self.noise_floor + unrepeated) {
             format!(

@@ -27,6 +27,9 @@ struct Candidate {
     left: f64,
 }
 
+/// Why nothing is refitted where friction reverses with the speed.
+const ANOTHER_LAW: &str = "nothing: friction reverses with the speed, as no law of a model file does, and a refit would bend the parameters to that";
+
 /// Share of the friction level that the weakest blocks have together: no identification repeats to within as much.
 const WEAKEST: f64 = 0.005;
 
@@ -81,6 +84,8 @@ impl Diagnosis {
         let own = candidate(own, given.refitted.test - given.refitted.train);
         let core = candidate(core, self.extended.test - self.extended.train);
         let wrong_shape = self.confident().any(|e| matches!(e.name, Name::Hysteresis));
+        // What follows the speed alone no blocks stand for, either.
+        let core = core.filter(|_| given.law.is_none());
         let best = match (own, core) {
             (Some(own), Some(core)) if wrong_shape || own.left > AS_GOOD * core.left => core,
             (Some(own), _) => own,
@@ -92,11 +97,20 @@ impl Diagnosis {
             Some(found.agreement?.nmse)
         };
         let by_simulation = simulated(&best.written.model).zip(simulated(user));
-        if best.left < given.stands && by_simulation.is_none_or(|(left, stands)| left < stands) {
+        let is_better =
+            best.left < given.stands && by_simulation.is_none_or(|(left, stands)| left < stands);
+        let mut written = if is_better {
             best.written
         } else {
             as_given(user)
+        };
+        if given.law.is_some() {
+            written.is_of_another_law = true;
+            if !is_better {
+                written.replaces = vec![ANOTHER_LAW.to_owned()];
+            }
         }
+        written
     }
 
     /// The confident effects on the user's own friction law, its parameters refitted.
@@ -122,6 +136,7 @@ impl Diagnosis {
             refused,
             is_on_the_core: false,
             is_as_given: false,
+            is_of_another_law: false,
         }
     }
 
@@ -205,6 +220,7 @@ impl Diagnosis {
             replaces,
             is_on_the_core: true,
             is_as_given: false,
+            is_of_another_law: false,
         }
     }
 }
@@ -237,6 +253,7 @@ fn as_given(user: &Model) -> Extended {
         ],
         is_on_the_core: false,
         is_as_given: true,
+        is_of_another_law: false,
     }
 }
 
@@ -265,8 +282,73 @@ fn changes(user: &Model, model: &Model, effort: &str) -> Vec<String> {
             (from != to).then(|| format!("{name} {from} by {to}"))
         })
         .collect();
+    changed.extend(changed_effects(user, model, effort));
     if model.viscous < 0.0 && user.viscous >= 0.0 {
         changed.push("a friction that does not fall with speed by one that does: do not use it beyond the speeds of the recording".to_owned());
     }
     changed
+}
+
+/// The numbers of a model's effects that another one has otherwise, and the effects that it has not; of a delay [`changes`] tells.
+fn changed_effects(user: &Model, model: &Model, effort: &str) -> Vec<String> {
+    let mut changed = Vec::new();
+    let told = user.effects.iter().enumerate();
+    for (number, effect) in told.filter(|(_, e)| e.id() != ALWAYS_FREE.id()) {
+        let before = user.effects[..number].iter();
+        let nth = before.filter(|e| e.id() == effect.id()).count();
+        let Some(own) = model.of(effect.form).nth(nth) else {
+            changed.push(format!("{} by none", effect.id().replace('_', " ")));
+            continue;
+        };
+        for (key, from) in &effect.values {
+            let [from, to] = [*from, own.get(key)];
+            let key = key_of(model.motion, &format!("{}.{key}", effect.id()));
+            let (name, unit) = name_and_unit(&key, effort);
+            let [from, to] = [from, to].map(|value| quantity(value, &unit));
+            if from != to {
+                changed.push(format!("{name} {from} by {to}"));
+            }
+        }
+    }
+    changed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use preslide_fit::effects::{Effect, form};
+    use preslide_fit::recording::MotionKind;
+
+    #[test]
+    fn every_number_that_changes_is_told() {
+        let coulomb = |coulomb| FrictionModel::Coulomb { coulomb };
+        let model = |coulomb_n, effects: Vec<Effect>| Model {
+            effects,
+            ..Model::of_friction(MotionKind::Rotary, coulomb(coulomb_n))
+        };
+        let spring = |stiffness, centre| Effect::of(&form::POSITION_SPRING, &[stiffness, centre]);
+        let slant = Effect::of(&form::VISCOUS_ASYMMETRY, &[2.0]);
+        let user = model(3.0, vec![spring(22.0, 0.1), slant]);
+        for (model, told) in [
+            (user.clone(), vec![]),
+            (
+                model(2.0, vec![spring(0.5, 0.1)]),
+                vec![
+                    "breakaway 3.00",
+                    "position spring",
+                    "viscous asymmetry by none",
+                ],
+            ),
+            (
+                model(3.0, vec![spring(22.0, 0.2)]),
+                vec!["centre 0.1", "viscous asymmetry by none"],
+            ),
+        ] {
+            let changed = changes(&user, &model, "Nm");
+            println!("{changed:?}");
+            assert_eq!(changed.len(), told.len());
+            let all = changed.iter().zip(told);
+            all.for_each(|(own, told)| assert!(own.contains(told), "{own}"));
+        }
+    }
 }

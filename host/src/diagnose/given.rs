@@ -6,6 +6,7 @@ use super::effect::ALWAYS_FREE;
 use super::modelled::effort_of;
 use super::normal::{Bound, Normal};
 use super::null_model::{Hypothesis, Nmse, NullModel};
+use super::smooth::SmoothLaw;
 use super::term::{Subject, Term};
 use super::weak::Column;
 use super::without_delay;
@@ -35,6 +36,11 @@ const WORTH: f64 = 0.1;
 /// The same, of what the model leaves with its parameters refitted: less may be its form's error, which no parameter mends.
 const OF_LEFT: f64 = 1.0;
 
+/// Times what the core leaves that another law must leave at least …
+const WORSE: f64 = 2.0;
+/// … and by so much more (NMSE, %).
+const NOTICED: f64 = 0.1;
+
 /// A model as it stands.
 pub struct Given {
     /// NMSE (%) of the model as it stands: nothing of it is fitted.
@@ -47,6 +53,8 @@ pub struct Given {
     pub parameters: Vec<Refitted>,
     /// The model with its parameters refitted.
     pub model: Model,
+    /// The law of the recording's friction, where it reverses with the speed and the model has another: then nothing is refitted.
+    pub(super) law: Option<SmoothLaw>,
 }
 
 /// A parameter of the model.
@@ -91,6 +99,17 @@ impl Refitted {
         self.part == Part::Delay
     }
 
+    /// Its value beside another law.
+    fn beside(&self, law: &SmoothLaw) -> Option<f64> {
+        match self.key.as_str() {
+            key if key.starts_with("mass") || key.starts_with("inertia") => law.inertia,
+            key if key.starts_with("viscous_N") => law.viscous,
+            key if key.starts_with("viscous_half") => None,
+            _ if self.part == Part::Level => Some(law.coulomb),
+            _ => None,
+        }
+    }
+
     /// Whether it is wrong, where the refitted model leaves so much (%) and less than `least` (%) is worth nothing.
     fn is_wrong(&self, left: f64, least: f64) -> bool {
         let outside = self
@@ -116,7 +135,12 @@ impl Given {
         let delay = Term::new(Subject::Effect(ALWAYS_FREE), &[]);
         let named = extended.terms.iter().filter(|t| !t.is_delay());
         let beside: Vec<Term> = named.chain([&delay]).cloned().collect();
-        Self::beside(null, &beside, recording, model, allowed)
+        let judged = Self::beside(null, &beside, recording, model, allowed)?;
+        let core = extended.nmse(&null.rows).test;
+        Some(match SmoothLaw::of(null, extended) {
+            Some(law) => judged.beside_law(law, model, core),
+            None => judged,
+        })
     }
 
     /// Judges a model beside some terms.
@@ -179,7 +203,39 @@ impl Given {
             mismatch: [as_it_stands, refitted],
             parameters,
             model,
+            law: None,
         })
+    }
+
+    /// Whether the model has another law than the core's, which leaves so much (NMSE, %).
+    fn lacks(&self, core: f64) -> bool {
+        let own = self.refitted.test.min(self.stands);
+        own > WORSE * core && own - core > NOTICED
+    }
+
+    /// Of a model with another law than this one: as it stands, with the values that its parameters have beside this.
+    fn beside_law(self, law: SmoothLaw, model: &Model, core: f64) -> Self {
+        if !self.lacks(core) {
+            return self;
+        }
+        let stands = self.stands;
+        let beside = |mut p: Refitted| {
+            if let Some(value) = p.beside(&law) {
+                p.found = Estimate { value, ci95: None };
+            }
+            p.differs = false;
+            p
+        };
+        Self {
+            refitted: Nmse {
+                train: stands,
+                test: stands,
+            },
+            parameters: self.parameters.into_iter().map(beside).collect(),
+            model: model.clone(),
+            law: Some(law),
+            ..self
+        }
     }
 
     /// What the most wrong parameter is worth (NMSE, %), where one is wrong.

@@ -53,6 +53,7 @@ pub mod shift;
 pub mod signals;
 mod simulated;
 pub mod simulation;
+mod smooth;
 pub mod term;
 #[cfg(test)]
 mod tests;

@@ -65,6 +65,7 @@ impl Diagnosis {
             "noise": { "friction_variability": self.null.noise.variability(), "disturbance_N": self.null.noise.disturbance() },
             "excitation": self.lacks.iter().map(|l| json!({"missing": l.missing, "hides": l.hides.iter().map(|e| e.id()).collect::<Vec<_>>()})).collect::<Vec<_>>(),
             "blocks": self.null.rows.blocks.len(),
+            "friction_reverses_over_m_s": self.smooth_law().map(|law| law.speed),
             "correction": self.correction.as_ref().map(|c| c.to_json(recording)),
             "simulated_late_s": self.simulated_late,
             "reproduced_nmse": self.reproduced.as_ref().map(|r| r.nmse),
@@ -143,7 +144,13 @@ impl Diagnosis {
             cells
         };
         Some(Table {
-            caption: "Parameters of the model, given, refitted on its own law, and as -o writes them; worth: what the difference alone leaves of the variance".to_owned(),
+            caption: format!(
+                "Parameters of the model, given, refitted {}, and as -o writes them; worth: what the difference alone leaves of the variance",
+                match given.law {
+                    Some(_) => "beside friction that reverses with the speed",
+                    None => "on its own law",
+                }
+            ),
             head: ["parameter", "given", "refitted", "-o", "worth", ""]
                 .map(String::from)
                 .to_vec(),

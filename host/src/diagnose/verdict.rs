@@ -93,6 +93,8 @@ pub struct Extended {
     pub is_on_the_core: bool,
     /// The user's model as it is, since nothing that was found leaves less.
     pub is_as_given: bool,
+    /// The recording's friction reverses with the speed, and the model's law cannot.
+    pub is_of_another_law: bool,
 }
 
 /// Everything found.

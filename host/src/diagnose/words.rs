@@ -8,6 +8,7 @@ use super::hysteresis;
 use super::named::{Name, Named};
 use super::place::{Place, means_over};
 use super::simulation::Correction;
+use super::smooth::SmoothLaw;
 use super::unnamed::Unknown;
 use super::verdict::{Diagnosis, Verdict};
 use preslide_fit::recording::Recording;
@@ -19,6 +20,8 @@ use preslide_fit::statistics::quantile_between_ranks;
 
 /// NMSE (%) up to which what is left without a name is a trifle: a twentieth of the effort's deviation.
 const TRIFLE: f64 = 0.25;
+/// Share of what a suspicion would take that must be no noise.
+const MOST_OF_IT: f64 = 0.5;
 /// A force is called a change of the friction level where this share of its squares goes with, or against, the direction.
 const WITH_DIRECTION: f64 = 0.8;
 
@@ -347,6 +350,9 @@ impl Diagnosis {
                 "consistent: no difference larger than {} of the variance ({figures})",
                 left(self.baseline.test.max(self.null.rows.missed))
             ),
+            Verdict::Consistent if self.lacks_law(recording).is_some() => format!(
+                "consistent in all but the friction law: nothing else material is missing ({figures})"
+            ),
             Verdict::Consistent if self.not_explained() > TRIFLE => format!(
                 "consistent: nothing in the catalogue is missing, but {} of the variance is neither noise nor explained ({figures})",
                 left(self.not_explained())
@@ -387,6 +393,11 @@ impl Diagnosis {
                 "insufficient data: {}; record strokes at several speeds, sampled fast enough to see them ({figures})",
                 self.doubt.as_deref().unwrap_or_default()
             ),
+            Verdict::InsufficientData if self.noise_floor > 0.5 * self.extended.test => format!(
+                "insufficient data: noise makes {} of the variance, and {} more nothing explains; record less noise, or for longer ({figures})",
+                left(self.noise_floor),
+                left(self.not_explained())
+            ),
             Verdict::InsufficientData => format!(
                 "insufficient data: the best model leaves {:.0} % of the variance on stretches held out, and nothing in the catalogue explains it ({figures})",
                 self.extended.test
@@ -405,7 +416,9 @@ impl Diagnosis {
         clauses.extend(self.allowed_words());
         clauses.extend(self.other_law(recording));
         clauses.extend(self.too_soft());
-        if self.null.core.follows_velocity() {
+        if let Some(law) = self.lacks_law(recording) {
+            clauses.push(law.words(recording));
+        } else if self.null.core.follows_velocity() {
             clauses.push("friction reverses smoothly over the slowest speeds, as tanh(v/v0), not along the path: hysteresis alone, GMS's too, would leave most of the mismatch".to_owned());
         }
         if let Some(wanders) = self.unnamed.iter().find(|u| u.wanders && u.is_sure()) {
@@ -430,6 +443,10 @@ impl Diagnosis {
     pub fn given_words(&self, recording: &Recording) -> Option<String> {
         self.given_model.as_ref().map(|given| {
             let refitted = match given.refitted.test < given.stands {
+                _ if given.law.is_some() => {
+                    "its parameters are not refitted on its own law, which would bend them"
+                        .to_owned()
+                }
                 true => format!(
                     "with its parameters refitted{} {} on stretches held out",
                     match self.missing().next() {
@@ -520,6 +537,12 @@ impl Diagnosis {
         self.given_model.iter().flat_map(Given::wrong)
     }
 
+    /// Whether most of what a suspicion would take is noise by the figures that stand beside it.
+    fn is_of_noise(&self, suspicion: &Named) -> bool {
+        let takes = suspicion.evidence.share.clamp(0.0, 1.0) * self.extended.test;
+        self.not_explained() < MOST_OF_IT * takes
+    }
+
     /// What is not of the fit, what the recording can show, and what is so likely as to be worth a word.
     pub(super) fn suspected(&self) -> impl Iterator<Item = &Named> {
         /// One in ten: of ten such suspicions nine are nothing.
@@ -530,6 +553,29 @@ impl Diagnosis {
                 .any(|lack| lack.hides.iter().any(|e| e.id() == id))
         };
         let effects = self.effects.iter();
-        effects.filter(move |e| !e.in_fit && e.confidence >= WORTH_A_WORD && !hidden(e.id()))
+        effects.filter(move |e| {
+            !e.in_fit
+                && e.confidence >= WORTH_A_WORD
+                && !hidden(e.id())
+                && (e.confident || !self.is_of_noise(e))
+        })
+    }
+
+    /// The law of the recording's friction, where it reverses with the speed.
+    pub(super) fn smooth_law(&self) -> Option<SmoothLaw> {
+        SmoothLaw::of(&self.null, &self.states[1])
+    }
+
+    /// The same, where the user's model, or the fit's, has another.
+    pub(super) fn lacks_law(&self, recording: &Recording) -> Option<SmoothLaw> {
+        match &self.given_model {
+            Some(given) => given.law,
+            None if self.fit.is_some() => {
+                let law = self.smooth_law()?;
+                let written = self.extended_model(recording);
+                written.is_of_another_law.then_some(law)
+            }
+            None => None,
+        }
     }
 }

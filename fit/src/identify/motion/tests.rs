@@ -299,6 +299,31 @@ fn a_loop_reports_its_contents_and_a_plain_axis_none() {
     assert!(told.contains("x_ref_m") && told.contains("--map"), "{told}");
 }
 
+/// An offset beside a spring depends on where it is taken: that at the middle of the travel is called so.
+#[test]
+fn an_offset_beside_a_spring_names_its_place() {
+    let text = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[inertia]\nmass_kg = 5.0\n[friction]\nkind = \"coulomb\"\ncoulomb_N = 4.0\nviscous_N_s_per_m = 30.0\n[[effects]]\nid = \"position_spring\"\nstiffness_N_per_m = 300.0\ncentre_m = 0.02\n";
+    let model = Model::parse(text).expect("valid");
+    let pushed = effort_only(model.motion, 12.0, |t| 40.0 * push(t));
+    let made = motion_with_inertia(&model, &pushed, 1).expect("simulated");
+    let recording = recorded(
+        &made.t_s,
+        &made.position,
+        &pushed.effort,
+        None,
+        model.motion,
+        1e-7,
+    );
+    let found = fitted(&recording, None);
+    let names: Vec<&str> = found.parameters.iter().map(|p| p.0).collect();
+    assert!(names.contains(&"spring"), "{names:?}");
+    let (low, high) = recording.ends();
+    let there = 300.0 * (0.5 * (low + high) - 0.02);
+    let told = value(&found, "offset_at_mid_travel");
+    println!("{told} N at mid-travel, {there} N made");
+    assert!((told - there).abs() < 0.2, "{told} N, {there} N made");
+}
+
 /// Blocks under a force of this size.
 fn pushed(size: f64) -> Recording {
     let text = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[inertia]\nmass_kg = 5.0\n[friction]\nkind = \"gms\"\nbreakaway_N = 8.0\nviscous_N_s_per_m = 30.0\nblocks = [{ stiffness_N_per_m = 2e5, weight = 0.25 }, { stiffness_N_per_m = 8e4, weight = 0.375 }, { stiffness_N_per_m = 2e4, weight = 0.375 }]\n";

@@ -33,7 +33,13 @@ impl Search<'_> {
             losses,
             ..
         } = settled;
-        let names: Vec<&'static str> = point.terms.iter().map(|t| t.name()).collect();
+        let springs = point.terms.iter().any(|t| t.name() == "spring");
+        let name = |term: &Term| match term.name() {
+            // The force fit's is that at the position 0.
+            "offset" if springs => "offset_at_mid_travel",
+            name => name,
+        };
+        let names: Vec<&'static str> = point.terms.iter().map(name).collect();
         let estimate = |(j, term): (usize, &Term)| {
             let error = covariance.as_ref().map(|(c, _)| c[(j, j)].sqrt());
             let error = error.map(|e| e * term.scale(&self.sizes));

@@ -152,6 +152,33 @@ fn a_constant_force_of_the_fit_may_be_friction_by_direction() {
     }
 }
 
+/// Friction that reverses with the speed is no law of a model file: a refit on another is bent to it, and is neither said nor written. The figures
+/// are those beside the machine's own law.
+#[test]
+fn parameters_of_another_law_are_not_refitted() {
+    let recording = made_of(&[], |_, _, v| 3.0 * (v / 2e-3).tanh() + 8.0 * v);
+    let coulomb = FrictionModel::Coulomb { coulomb: 2.5 };
+    let given = Model {
+        inertia: MASS_KG,
+        viscous: 12.0,
+        ..Model::of_friction(MotionKind::Linear, coulomb)
+    };
+    let found = told(&recording, Some(&given));
+    let words = found.verdict_words(&recording);
+    assert!(words.contains("the friction law is another"), "{words}");
+    let extended = found.extended_model(&recording);
+    assert!(extended.is_as_given, "{:?}", extended.replaces);
+    assert_eq!(extended.model.viscous, given.viscous);
+    assert_eq!(found.wrong().count(), 0);
+    let own = found.given_model.as_ref().expect("a model");
+    for (key, value) in [("coulomb_N", 3.0), ("viscous_N_s_per_m", 8.0)] {
+        let own = own.parameters.iter().find(|p| p.key == key);
+        let beside = own.expect("a parameter").found.value;
+        println!("{key} {beside}, {value} made");
+        assert!((beside / value - 1.0).abs() < 0.05, "{key} {beside}");
+    }
+}
+
 /// Viscous friction of each direction is two numbers: a model that has it is not split into three.
 #[test]
 fn viscous_friction_by_direction_is_told_once() {
