@@ -333,15 +333,16 @@ fn write_extended(
     files: &RecordingArgs,
 ) -> Result<String, Failure> {
     let extended = found.extended_model(recording);
+    // What is said of a file is a line each, by which the Python package leaves out what is said of its own.
     if !extended.replaces.is_empty() {
-        explain!(
+        say!(
             "{} replaces {}.",
             path.display(),
             extended.replaces.join(", ")
         );
     }
     for reason in &extended.refused {
-        explain!("Not in {}: {reason}.", path.display());
+        say!("Not in {}: {reason}.", path.display());
     }
     if let Err(reason) = no_refused(&extended.model) {
         say!("{} for `preslide export`: {reason}.", path.display());
